@@ -108,7 +108,8 @@ private:
         Vector3 corner, side1, side2, normal;       // corner, the two sides from it, unit normal
         std::array<std::uint32_t, 3> edge;          // edge k joins corners k and k+1
         std::array<std::uint32_t, 3> vertex;
-        std::uint32_t surface, plane, material, original;
+        std::uint32_t surface, plane, material;
+        bool sound;                                 // has an area
     };
     /// Ranges into inward_ (unit, in each triangle, off the edge) and outgoing_ (unit, along each
     /// edge away from the vertex).
@@ -134,14 +135,22 @@ private:
     Foot foot(const Triangle&, const Vector3& position) const;
     bool locallyNearest(const Triangle&, const Foot&, const Vector3& away) const;
     std::uint64_t key(const Triangle&, const Foot&) const;
+    void mergeParallel(std::vector<WallContact>& found) const;
+    std::uint64_t surfaceKey(std::uint32_t surface) const { return surface; }
+    std::uint64_t planeKey(std::uint32_t triangle) const
+    {
+        return (std::uint64_t(1) << 32) + triangles_[triangle].plane;
+    }
     double distanceFromGrid(const Vector3& position) const;
     void collectImage(const Vector3& centre, double reach, const Vector3& shift,
                       std::vector<Image>& found) const;
 
     void check() const;
+    void buildTriangles();
     void buildTopology();
-    void buildTree();
+    std::uint32_t buildTree(std::uint32_t begin, std::uint32_t end);
     void buildGrid();
+    std::vector<double> squaredDistances() const;
 
     WallGeometry geometry_;
     PeriodicBox box_;

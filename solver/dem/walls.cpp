@@ -1,0 +1,213 @@
+#include "walls.hpp"
+
+#include <algorithm>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+/// An edge or corner counts when no direction into the wall brings it nearer than this cosine.
+constexpr double sideways = 1e-9;
+
+double squaredDistanceToBox(const Vector3& p, const Vector3& low, const Vector3& high)
+{
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        const double outside = std::max({low[axis] - p[axis], p[axis] - high[axis], 0.0});
+        sum += outside*outside;
+    }
+    return sum;
+}
+
+} // namespace
+
+
+/// Nearest point of a triangle by the Voronoi regions of its corners, edges and face
+/// (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+Walls::Foot Walls::foot(const Triangle& t, const Vector3& position) const
+{
+    const Vector3 toA = position - t.corner;
+    const double d1 = dot(t.side1, toA), d2 = dot(t.side2, toA);
+    if (d1 <= 0 && d2 <= 0) return {t.corner, Region::vertex, 0};
+
+    const Vector3 toB = toA - t.side1;
+    const double d3 = dot(t.side1, toB), d4 = dot(t.side2, toB);
+    if (d3 >= 0 && d4 <= d3) return {t.corner + t.side1, Region::vertex, 1};
+
+    const double weightC = d1*d4 - d3*d2;
+    if (weightC <= 0 && d1 >= 0 && d3 <= 0)
+        return {t.corner + (d1/(d1 - d3))*t.side1, Region::edge, 0};
+
+    const Vector3 toC = toA - t.side2;
+    const double d5 = dot(t.side1, toC), d6 = dot(t.side2, toC);
+    if (d6 >= 0 && d5 <= d6) return {t.corner + t.side2, Region::vertex, 2};
+
+    const double weightB = d5*d2 - d1*d6;
+    if (weightB <= 0 && d2 >= 0 && d6 <= 0)
+        return {t.corner + (d2/(d2 - d6))*t.side2, Region::edge, 2};
+
+    const double weightA = d3*d6 - d5*d4;
+    if (weightA <= 0 && d4 >= d3 && d5 >= d6)
+    {
+        const double along = (d4 - d3)/((d4 - d3) + (d5 - d6));
+        return {t.corner + t.side1 + along*(t.side2 - t.side1), Region::edge, 1};
+    }
+    return {position - dot(t.normal, toA)*t.normal, Region::face, 0};
+}
+
+
+Vector3 Walls::nearestPoint(const Image& image, const Vector3& position) const
+{
+    return foot(triangles_[image.triangle], position - image.shift).point + image.shift;
+}
+
+
+bool Walls::locallyNearest(const Triangle& t, const Foot& foot, const Vector3& away) const
+{
+    if (foot.region == Region::face) return true;
+    const bool onEdge = foot.region == Region::edge;
+    const Feature& feature =
+        onEdge ? edges_[t.edge[foot.index]] : vertices_[t.vertex[foot.index]];
+    const std::vector<Vector3>& directions = onEdge ? inward_ : outgoing_;
+    const double limit = sideways*norm(away);
+    return std::all_of(directions.begin() + feature.begin, directions.begin() + feature.end,
+                       [&](const Vector3& d) { return dot(d, away) <= limit; });
+}
+
+
+std::uint64_t Walls::key(const Triangle& t, const Foot& foot) const
+{
+    switch (foot.region)
+    {
+        case Region::edge: return edges_[t.edge[foot.index]].key;
+        case Region::vertex: return vertices_[t.vertex[foot.index]].key;
+        default: return surfaceKey(t.surface);
+    }
+}
+
+
+void Walls::collectImage(const Vector3& centre, double reach, const Vector3& shift,
+                         std::vector<Image>& found) const
+{
+    const Vector3 p = centre - shift;
+    const double squaredReach = reach*reach;
+    std::uint32_t stack[64];
+    int height = 0;
+    stack[height++] = 0;
+    while (height > 0)
+    {
+        const std::uint32_t index = stack[--height];
+        const Node& node = nodes_[index];
+        if (squaredDistanceToBox(p, node.low, node.high) > squaredReach) continue;
+        if (!node.leaf)
+        {
+            stack[height++] = node.begin;
+            stack[height++] = index + 1;
+            continue;
+        }
+        for (std::uint32_t i = node.begin; i < node.end; ++i)
+        {
+            const Triangle& t = triangles_[order_[i]];
+            if (std::abs(dot(t.normal, p - t.corner)) <= reach) found.push_back({order_[i], shift});
+        }
+    }
+}
+
+
+void Walls::collect(const Vector3& centre, double reach, std::vector<Image>& found) const
+{
+    found.clear();
+    if (triangles_.empty() || distanceBound(centre) > reach) return;
+    if (!box_.any()) return collectImage(centre, reach, {}, found);
+
+    const Vector3 inside = box_.wrapped(centre);
+    const Vector3 home = centre - inside;
+    int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        if (!box_.periodic[axis]) continue;
+        if (inside[axis] - reach <= box_.low[axis]) first[axis] = -1;
+        if (inside[axis] + reach >= box_.high[axis]) last[axis] = 1;
+    }
+    const Vector3 length = box_.high - box_.low;
+    for (int i = first[0]; i <= last[0]; ++i)
+        for (int j = first[1]; j <= last[1]; ++j)
+            for (int k = first[2]; k <= last[2]; ++k)
+                collectImage(centre, reach,
+                             home + Vector3{i*length.x, j*length.y, k*length.z}, found);
+}
+
+
+void Walls::contacts(const Vector3& centre, double radius, double reach,
+                     const std::vector<Image>& among, std::vector<WallContact>& found) const
+{
+    found.clear();
+    const double limit = radius + reach;
+    for (const Image& image : among)
+    {
+        const Triangle& t = triangles_[image.triangle];
+        const Vector3 p = centre - image.shift;
+        if (std::abs(dot(t.normal, p - t.corner)) > limit) continue;
+        const Foot nearest = foot(t, p);
+        const Vector3 away = p - nearest.point;
+        const double distance = norm(away);
+        if (distance > limit || !locallyNearest(t, nearest, away)) continue;
+        const Vector3 normal = distance > 0 ? (1/distance)*away : t.normal;
+        found.push_back({normal, nearest.point + image.shift, distance - radius, t.material,
+                         image.triangle, key(t, nearest)});
+    }
+    if (found.size() > 1) mergeParallel(found);
+}
+
+
+void Walls::contacts(const Vector3& centre, double radius, double reach,
+                     std::vector<WallContact>& found) const
+{
+    thread_local std::vector<Image> among;
+    collect(centre, radius + reach, among);
+    contacts(centre, radius, reach, among, found);
+}
+
+
+/// Keeps the deepest of the contacts that point the same way; a surface touched twice keeps its
+/// key for the deeper contact, the other is known by its plane.
+void Walls::mergeParallel(std::vector<WallContact>& found) const
+{
+    static const double parallel = std::cos(smoothAngle);
+    std::sort(found.begin(), found.end(), [](const WallContact& a, const WallContact& b)
+    {
+        return a.gap != b.gap ? a.gap < b.gap : a.triangle < b.triangle;
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < found.size(); ++i)
+    {
+        bool same = false, keyTaken = false;
+        for (std::size_t j = 0; j < kept; ++j)
+        {
+            same = same || dot(found[i].normal, found[j].normal) > parallel;
+            keyTaken = keyTaken || found[i].feature == found[j].feature;
+        }
+        if (same) continue;
+        if (keyTaken) found[i].feature = planeKey(found[i].triangle);
+        found[kept++] = found[i];
+    }
+    found.resize(kept);
+}
+
+
+double Walls::distanceFromGrid(const Vector3& position) const
+{
+    Vector3 low = gridLow_, high = gridHigh_;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        if (!box_.periodic[axis]) continue;
+        low[axis] = std::min(low[axis], position[axis]);
+        high[axis] = std::max(high[axis], position[axis]);
+    }
+    return std::sqrt(squaredDistanceToBox(position, low, high));
+}
+
+} // namespace elutria::dem
