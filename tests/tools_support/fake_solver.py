@@ -1,0 +1,89 @@
+"""Stands in for elutriaFoam: reads the case it is started in, writes what the real one writes.
+
+The partition is log-logistic in d/d50 with d50 = 100 um s/m x gas velocity and exponent 8.
+FAKE_FAIL_AT (a velocity) makes it diverge, FAKE_CUT_AT makes it end without a word, FAKE_SLEEP
+(s) makes it slow; each start is a line in FAKE_STARTS.
+"""
+
+import json
+import math
+import os
+import random
+import re
+import sys
+import time
+from pathlib import Path
+
+COLUMNS = (
+    "time_s,outlet,material,id,diameter_m,density_kg_m3,n_particle,"
+    "ux_m_s,uy_m_s,uz_m_s,residence_time_s\n"
+)
+
+
+def parameter(name: str) -> float:
+    text = Path("system/simulationParameters").read_text()
+    return float(re.search(rf"^{name}\s+([^;]+);", text, re.M)[1])
+
+
+def main() -> int:
+    velocity, count, seed = (
+        parameter("gasVelocity"),
+        int(parameter("particles")),
+        parameter("seed"),
+    )
+    if "FAKE_STARTS" in os.environ:
+        with open(os.environ["FAKE_STARTS"], "a") as file:
+            file.write(f"{velocity:g} {seed:g}\n")
+    draw = random.Random(seed)
+    rows, inside = [], []
+    for number in range(count):
+        diameter = math.exp(draw.uniform(math.log(300e-6), math.log(2000e-6)))
+        share = 1 / (1 + (diameter / (velocity * 100e-6)) ** -8)
+        outlet = "coarse" if draw.random() < share else "fines"
+        kept = number % 200 == 199
+        row = f"{0.001 * number:g},{'inside' if kept else outlet},quartz,{number},{diameter!r},2650,1,0,0,1,0.3\n"
+        (inside if kept else rows).append((row, outlet, diameter))
+    for part in range(1, 5):
+        time.sleep(float(os.environ.get("FAKE_SLEEP", "0")) / 4)
+        n = part * count // 4
+        print(
+            f"elutria: time {part * 0.25:g} fed {n} fines {n // 2} coarse {n // 2} inside 0 lost 0",
+            flush=True,
+        )
+    if os.environ.get("FAKE_FAIL_AT") == f"{velocity:g}":
+        print("elutria: failed: time 0.5, cell 12: velocity is not finite")
+        return 1
+    if os.environ.get("FAKE_CUT_AT") == f"{velocity:g}":
+        return 0
+    folder = Path("postProcessing/outlets/0")
+    folder.mkdir(parents=True)
+    (folder / "particles.csv").write_text(COLUMNS + "".join(row for row, _, _ in rows))
+    Path("postProcessing/inside.csv").write_text(
+        COLUMNS + "".join(row for row, _, _ in inside)
+    )
+
+    def amount(entries):
+        mass = sum(2650 * math.pi / 6 * d**3 for _, _, d in entries)
+        return {"number": len(entries), "mass_kg": mass, "parcels": len(entries)}
+
+    none = {"number": 0, "mass_kg": 0.0, "parcels": 0}
+    account = {
+        "injected": amount(rows + inside),
+        "outlets": {
+            p: amount([r for r in rows if r[1] == p]) for p in ("fines", "coarse")
+        },
+        "inside": amount(inside),
+        "lost": none,
+    }
+    ledger = {
+        "time_s": 1,
+        "seed": seed,
+        "total": account,
+        "materials": {"quartz": account},
+    }
+    Path("postProcessing/ledger.json").write_text(json.dumps(ledger))
+    print("elutria: finished")
+    return 0
+
+
+sys.exit(main())

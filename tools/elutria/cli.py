@@ -1,0 +1,330 @@
+"""The command line: reads options, calls the other modules, turns errors into lines and codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from elutria.errors import ElutriaError, InputError, one_line, suggestion
+
+if TYPE_CHECKING:
+    from elutria.classify import Row
+
+app = typer.Typer(
+    name="elutria",
+    help="Air classification computed with gas and particles, from feed to partition curve.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    add_completion=False,
+)
+console = Console()
+errors = Console(stderr=True)
+state = {"debug": False}
+
+CaseArgument = Annotated[Path, typer.Argument(help="Folder of an OpenFOAM case.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="FILE:ENTRY=VALUE", help="Give an entry another value."),
+]
+ProcessorsOption = Annotated[
+    int, typer.Option("--np", min=1, help="Processors of each run (decomposePar, mpirun).")
+]
+
+
+@app.callback()
+def options(
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")] = False,
+) -> None:
+    """Options of all commands."""
+    state["debug"] = state["debug"] or debug
+
+
+@app.command(epilog="Example: elutria check cases/column")
+def check(case: CaseArgument) -> None:
+    """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
+    from elutria.case import Case
+    from elutria.check import report
+
+    for table in report(Case(case)):
+        console.print(table)
+
+
+@app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")
+def run(
+    case: CaseArgument,
+    to: Annotated[Path | None, typer.Option(help="Folder of the run.")] = None,
+    velocity: Annotated[float | None, typer.Option(help="Gas velocity, m/s.")] = None,
+    set_: SetOption = None,
+    np: ProcessorsOption = 1,
+) -> None:
+    """Copy, mesh, solve and classify a case."""
+    from elutria.case import Case
+    from elutria.progress import ProgressDisplay
+    from elutria.run import Step, run_case
+    from elutria.sweep import parse_velocities
+    from elutria.worker import note
+
+    source = Case(case)
+    if velocity is not None:
+        parse_velocities(repr(velocity))
+    settings = source.settings_for(velocity, set_ or [])
+    speed = source.velocity() if velocity is None else velocity
+    source.feed()
+    folder = (to or Path("results") / source.name / f"U{speed:.12g}").resolve()
+    _refuse_overlap(source.path, folder)
+    with ProgressDisplay(console) as display:
+
+        def on_step(share: float, step: Step) -> None:
+            display.update(f"{source.name}", share, note(step))
+
+        run_case(source, folder, settings, np, on_step)
+    _classify_folder(folder, folder)
+    _plot(folder)
+
+
+@app.command(epilog="Example: elutria sweep cases/column --velocity 3:10:8 --to results/column")
+def sweep(
+    case: CaseArgument,
+    velocity: Annotated[str, typer.Option(metavar="A:B:N|LIST", help="Gas velocities, m/s.")],
+    replicates: Annotated[int, typer.Option(help="Runs of each velocity, each own seed.")] = 1,
+    jobs: Annotated[int, typer.Option(help="Runs at a time; 0: as many as cores.")] = 0,
+    to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
+    set_: SetOption = None,
+    np: ProcessorsOption = 1,
+) -> None:
+    """Run a case at several gas velocities side by side. What is finished is never run again."""
+    from elutria.case import Case
+    from elutria.sweep import parse_velocities, plan, run_sweep
+
+    source = Case(case)
+    velocities = parse_velocities(velocity)
+    folder = (to or Path("results") / source.name).resolve()
+    _refuse_overlap(source.path, folder)
+    members = plan(source, folder, velocities, replicates, set_ or [])
+    if jobs < 0:
+        raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
+    jobs = jobs or max(1, len(os.sched_getaffinity(0)) // np)
+    with _SweepDisplay(len(members)) as display:
+        result = run_sweep(source, folder, members, jobs, np, display)
+    if result.skipped:
+        console.print(f"{result.skipped} of {len(members)} runs were finished before", style="dim")
+    _show_summary(result.tables.summary)
+    if result.tables.summary:
+        _plot(folder)
+    if result.failures:
+        for name, reason in result.failures.items():
+            errors.print(f"{name}: {reason}", style="red", markup=False, soft_wrap=True)
+        raise ElutriaError(
+            f"{len(result.failures)} of {len(members)} runs failed; the others are in {folder}"
+        )
+
+
+@app.command(epilog="Example: elutria classify results/column/U5 --json")
+def classify(
+    case: CaseArgument,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
+    to: Annotated[Path | None, typer.Option(help="Folder of the tables; default: CASE.")] = None,
+) -> None:
+    """Outlet fractions and partition curve of a finished run."""
+    summary = _classify_folder(case, to or case, quiet=as_json)
+    if as_json:
+        print(json.dumps([{k: _json(v) for k, v in row.items()} for row in summary], indent=2))
+
+
+@app.command(epilog="Example: elutria plot results/column")
+def plot(
+    results: Annotated[Path, typer.Argument(help="Folder with summary.csv and partition.csv.")],
+) -> None:
+    """Draw the figures again from the csv files."""
+    _plot(results)
+
+
+@app.command(epilog="Example: elutria bench neighbours --quick")
+def bench(
+    name: Annotated[str, typer.Argument(help="Which one; 'list' names them all.")],
+    to: Annotated[Path | None, typer.Option(help="Folder; default: results/bench/NAME.")] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs of each timed thing.")] = 5,
+    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
+    option: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The benchmark's own options.")
+    ] = None,
+) -> None:
+    """Benchmarks: each writes csv, a figure, and the versions and machine it ran on."""
+    from elutria import bench as benchmarks
+
+    _run_module(benchmarks, name, to or Path("results/bench") / name, repeats, quick, option)
+
+
+@app.command(epilog="Example: elutria verify all --quick")
+def verify(
+    name: Annotated[str, typer.Argument(help="Which one; 'list' names them, 'all' runs all.")],
+    to: Annotated[Path | None, typer.Option(help="Folder; default: results/verify/NAME.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
+    option: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The reference's own options.")
+    ] = None,
+) -> None:
+    """Reference results, run through the code that users run."""
+    from elutria import verification
+
+    names = sorted(_modules(verification)) if name == "all" else [name]
+    for chosen in names:
+        folder = to or Path("results/verify") / chosen
+        _run_module(verification, chosen, folder, 1, quick, option)
+
+
+def _modules(package: Any) -> dict[str, Any]:
+    """By NAME, the modules of a package that have a `run`."""
+    import importlib
+    import pkgutil
+
+    found = {}
+    for entry in pkgutil.iter_modules(package.__path__):
+        module = importlib.import_module(f"{package.__name__}.{entry.name}")
+        if hasattr(module, "NAME") and hasattr(module, "run"):
+            found[module.NAME] = module
+    return found
+
+
+def _run_module(
+    package: Any, name: str, folder: Path, repeats: int, quick: bool, extra: list[str] | None
+) -> None:
+    from elutria.bench.common import Options
+
+    modules: dict[str, Any] = _modules(package)
+    if name == "list":
+        for key in sorted(modules):
+            console.print(f"{key}: {modules[key].HELP}", highlight=False, soft_wrap=True)
+        return
+    if name not in modules:
+        raise InputError(
+            f"'{one_line(name, 40)}'{suggestion(name, modules)}; "
+            f"allowed: list, {', '.join(sorted(modules))}"
+        )
+    pairs = [text.partition("=") for text in extra or []]
+    if any(not (key and equals) for key, equals, _ in pairs):
+        raise InputError(f"--option {extra}; allowed: KEY=VALUE")
+    settings = {key: value for key, _, value in pairs}
+
+    def say(text: str) -> None:
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    modules[name].run(Options(folder, repeats, quick, settings, say))
+
+
+@app.command(epilog="Example: elutria vtk results/column/U5")
+def vtk(
+    case: CaseArgument,
+    to: Annotated[Path | None, typer.Option(help="Folder of the .vtu files.")] = None,
+) -> None:
+    """Write a run's gas and particles as .vtu and .pvd files that ParaView opens."""
+    from elutria.vtk import write_vtk
+
+    for path in write_vtk(case, to or case / "VTK"):
+        console.print(str(path), highlight=False, soft_wrap=True)
+
+
+def _refuse_overlap(case: Path, folder: Path) -> None:
+    source = case.resolve()
+    if folder == source or source.is_relative_to(folder) or folder.is_relative_to(source):
+        raise InputError(f"--to {folder}: lies within the case {case} or holds it; choose another")
+
+
+def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
+    from elutria.case import Case
+    from elutria.classify import classify as classify_run
+    from elutria.events import read_run
+    from elutria.run import FINISHED, wall_time
+    from elutria.theory import write_theory
+
+    case = Case(folder)
+    seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
+    velocity = case.velocity()
+    tables = classify_run(read_run(folder), velocity, seconds)
+    tables.write(to)
+    write_theory(case, [velocity], to)
+    if not quiet:
+        _show_summary(tables.summary)
+    return tables.summary
+
+
+def _show_summary(rows: list[Row]) -> None:
+    from elutria.report import summary_table
+
+    if rows:
+        console.print(summary_table(rows))
+
+
+def _plot(folder: Path) -> None:
+    from elutria.plots import write_figures
+
+    for path in write_figures(folder):
+        console.print(str(path), highlight=False, soft_wrap=True)
+
+
+def _json(value: Any) -> Any:
+    return None if isinstance(value, float) and value != value else value
+
+
+class _SweepDisplay:
+    """Shows a sweep: a bar per running velocity and one for all of it."""
+
+    def __init__(self, runs: int):
+        from elutria.progress import ProgressDisplay
+
+        self.display = ProgressDisplay(console, every=10.0)
+        self.shares: dict[str, float] = {}
+        self.runs = runs
+
+    def __enter__(self) -> _SweepDisplay:
+        self.display.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self.display.__exit__(*error)
+
+    def progress(self, name: str, share: float, note: str) -> None:
+        self.shares[name] = share
+        self.display.update(name, share, note)
+        self.display.update("all", sum(self.shares.values()) / self.runs)
+
+    def finished(self, name: str, line: str) -> None:
+        self.shares[name] = 1.0
+        self.display.close(name)
+        self.display.say(f"{name}: {line}")
+        self.display.update("all", sum(self.shares.values()) / self.runs)
+
+
+def main() -> None:
+    """Entry point: one line and exit code 1 or 2 for what goes wrong."""
+    if "--debug" in sys.argv:  # wherever it stands
+        sys.argv.remove("--debug")
+        state["debug"] = True
+    try:
+        app(standalone_mode=False)
+    except ElutriaError as error:
+        _fail(str(error), error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        _fail("interrupted; the same command goes on where it stopped", 1)
+    except OSError as error:
+        _fail(f"{error.filename or ''}: {error.strerror or one_line(error)}", 1)
+    except Exception as error:
+        if hasattr(error, "format_message"):  # an option that typer refuses
+            _fail(f"{one_line(error.format_message())}; see elutria --help", 2)
+        _fail(f"internal error: {type(error).__name__}: {one_line(error)}; see --debug", 1)
+
+
+def _fail(line: str, code: int) -> None:
+    if state["debug"]:
+        traceback.print_exc()
+    errors.print(f"elutria: {line}", markup=False, highlight=False, soft_wrap=True)
+    sys.exit(code)

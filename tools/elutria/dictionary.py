@@ -1,0 +1,297 @@
+"""OpenFOAM dictionaries, read without executing anything, edited without losing a comment.
+
+foamlib parses and edits; here `#include` and `$name` are resolved, because the files that a sweep
+touches use them, and entries are checked as they are taken: type, range, spelling. `#calc`,
+`#codeStream` and the like are never evaluated: an entry that needs one is refused when asked for.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from foamlib import FoamFile
+
+from elutria.errors import InputError, one_line, suggestion
+from elutria.files import read_text, writing_to
+
+_MISSING = object()
+_INCLUDES = {"#include": True, "#sinclude": False, "#includeIfPresent": False}
+
+
+class Dictionary:
+    """One (sub)dictionary: entries taken from it are checked, those left over can be refused."""
+
+    def __init__(self, entries: Mapping[str, Any], file: str, path: tuple[str, ...] = ()):
+        self.entries = dict(entries)
+        self.file = file
+        self.path = path
+        self._taken: set[str] = set()
+
+    def where(self, name: str = "") -> str:
+        """`constant/feed: materials/quartz/density`, as messages begin."""
+        entry = "/".join((*self.path, name) if name else self.path)
+        return f"{self.file}: {entry}" if entry else self.file
+
+    def refuse(self, name: str, allowed: str) -> InputError:
+        """The error that `name` has a value which is not allowed."""
+        value = one_line(self.entries.get(name, "is missing"), 60)
+        return InputError(f"{self.where(name)}: {value}; allowed: {allowed}")
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.entries
+
+    def raw(self, name: str, default: Any = _MISSING, *, allowed: str = "an entry") -> Any:
+        """The entry as foamlib parsed it. Raises InputError when absent or not evaluated."""
+        self._taken.add(name)
+        if name not in self.entries:
+            if default is not _MISSING:
+                return default
+            others = [key for key in self.entries if key not in self._taken]
+            close = [key for key in others if suggestion(key, [name])]
+            hint = f" (found '{close[0]}', did you mean '{name}'?)" if close else ""
+            raise InputError(f"{self.where(name)}: is missing{hint}; allowed: {allowed}")
+        value = self.entries[name]
+        for token in value if isinstance(value, (list, tuple)) else [value]:
+            if isinstance(token, str) and token.startswith("#"):
+                raise InputError(
+                    f"{self.where(name)}: {one_line(token, 40)} is not evaluated by elutria; "
+                    f"allowed: {allowed}, written out"
+                )
+            if isinstance(token, str) and token.startswith("$"):
+                raise InputError(
+                    f"{self.where(name)}: {one_line(token, 40)} is defined nowhere; "
+                    f"allowed: {allowed}, or the name of an entry above it"
+                )
+        return value
+
+    def number(
+        self,
+        name: str,
+        default: Any = _MISSING,
+        *,
+        above: float = -math.inf,
+        at_least: float = -math.inf,
+        at_most: float = math.inf,
+        unit: str = "",
+    ) -> float:
+        """A finite number within its bounds (``above`` is exclusive)."""
+        allowed = _range_in_words(above, at_least, at_most, unit)
+        value = self.raw(name, default, allowed=allowed)
+        if value is default:
+            return value  # type: ignore[no-any-return]
+        value = getattr(value, "value", value)
+        good = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not (good and math.isfinite(value) and above < value and at_least <= value <= at_most):
+            raise self.refuse(name, allowed)
+        return float(value)
+
+    def word(self, name: str, choices: Iterable[str] = (), default: Any = _MISSING) -> str:
+        """A single word, one of `choices` where there are any."""
+        options = list(choices)
+        allowed = " | ".join(options) if options else "a word"
+        value = self.raw(name, default, allowed=allowed)
+        if not isinstance(value, str) or (options and value not in options and value != default):
+            hint = suggestion(str(value), options)
+            raise self.refuse(name, allowed + hint)
+        return value.strip('"')
+
+    def numbers(self, name: str, length: int | None = None) -> list[float]:
+        """A list of finite numbers, of the given length."""
+        allowed = f"a list of {'' if length is None else f'{length} '}numbers: (a b ...)"
+        value = self.raw(name, allowed=allowed)
+        items = list(value) if isinstance(value, (list, tuple)) or hasattr(value, "tolist") else []
+        good = bool(items) and (length is None or len(items) == length)
+        if not good or not all(_is_number(item) for item in items):
+            raise self.refuse(name, allowed)
+        return [float(item) for item in items]
+
+    def words(self, name: str) -> list[str]:
+        """A list of words: patches of a product, for example."""
+        value = self.raw(name, allowed="a list of words: (a b)")
+        items = [value] if isinstance(value, str) else value
+        if not isinstance(items, list) or not items or not all(isinstance(i, str) for i in items):
+            raise self.refuse(name, "a list of words: (a b)")
+        return [item.strip('"') for item in items]
+
+    def sub(self, name: str, default: Any = _MISSING) -> Dictionary:
+        """A subdictionary."""
+        value = self.raw(name, default, allowed="a dictionary { ... }")
+        if not isinstance(value, Mapping):
+            raise self.refuse(name, "a dictionary { ... }")
+        return Dictionary(value, self.file, (*self.path, name))
+
+    def refuse_unknown(self, known: Iterable[str]) -> None:
+        """Raise InputError for the first entry that is none of `known`: a misspelling is found."""
+        names = list(known)
+        for name in self.entries:
+            if name not in names and not str(name).startswith("#"):
+                raise InputError(
+                    f"{self.where(str(name))}: unknown entry{suggestion(str(name), names)}; "
+                    f"allowed: {', '.join(names)}"
+                )
+
+
+def _is_number(value: Any) -> bool:
+    good = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return good and math.isfinite(value)
+
+
+def _range_in_words(above: float, at_least: float, at_most: float, unit: str) -> str:
+    words = "a finite number"
+    limits = []
+    if above > -math.inf:
+        limits.append(f"> {above:g}")
+    if at_least > -math.inf:
+        limits.append(f">= {at_least:g}")
+    if at_most < math.inf:
+        limits.append(f"<= {at_most:g}")
+    if limits:
+        words += " " + " and ".join(limits)
+    return f"{words} ({unit})" if unit else words
+
+
+def read_dictionary(
+    path: Path, case: Path | None = None, *, with_included: bool = False
+) -> Dictionary:
+    """Read a dictionary file with its includes and macros resolved; nothing is executed.
+
+    Entries that an `#include` brought are there for macros only, unless `with_included`.
+    Raises InputError naming the file.
+    """
+    shown = _shown(path, case)
+    raw = _parse(path, shown)
+    resolved: dict[str, Any] = {}
+    _load(raw, path, case, resolved, depth=0)
+    return Dictionary({k: v for k, v in resolved.items() if with_included or k in raw}, shown)
+
+
+def read_list(path: Path, case: Path | None = None) -> list[Any]:
+    """A file that holds one list, such as constant/polyMesh/boundary."""
+    value = _parse(path, _shown(path, case)).get(None)
+    if not isinstance(value, list):
+        raise InputError(f"{_shown(path, case)}: must hold a list ( ... )")
+    return value
+
+
+def _shown(path: Path, case: Path | None) -> str:
+    if case is not None and path.is_relative_to(case):
+        return str(Path(case.name) / path.relative_to(case)) if case.name else str(path)
+    return str(path)
+
+
+def _parse(path: Path, shown: str) -> dict[Any, Any]:
+    text = re.sub(r"\$\{([\w.:]+)\}", r"$\1", read_text(path, limit=5_000_000))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            parsed = FoamFile.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{shown}: brackets are nested too deeply") from error
+    except Exception as error:  # whatever a parser makes of rubbish, the user is told the file
+        raise InputError(f"{shown}: is not an OpenFOAM dictionary: {one_line(error)}") from error
+    if not isinstance(parsed, Mapping):
+        return {None: parsed}
+    if not hasattr(parsed, "getall"):
+        return dict(parsed)
+    return {key: parsed.getall(key) if key in _INCLUDES else parsed[key] for key in parsed}
+
+
+def _load(
+    raw: Mapping[Any, Any], path: Path, case: Path | None, scope: dict[str, Any], depth: int
+) -> None:
+    """Put the entries of included files and of `raw` into `scope`, in order, macros resolved.
+
+    As in OpenFOAM a macro stands for what was read before it: `seed $seed;` takes an included one.
+    """
+    if depth > 10:
+        raise InputError(f"{_shown(path, case)}: #include goes round in a circle")
+    for key, value in raw.items():
+        if key in _INCLUDES:
+            for name in value if isinstance(value, list) else [value]:
+                included = path.parent / str(name).strip('"').replace("<case>", str(case or "."))
+                if _INCLUDES[key] or included.is_file():
+                    if not included.is_file():
+                        raise InputError(
+                            f"{_shown(path, case)}: {key} {one_line(name, 60)}: file not found"
+                        )
+                    nested = _parse(included, _shown(included, case))
+                    _load(nested, included, case, scope, depth + 1)
+        elif isinstance(key, str) and not key.startswith("#"):
+            if key.startswith("$"):
+                merged = _look_up(key, [scope])
+                scope.update(merged if isinstance(merged, Mapping) else {})
+            else:
+                scope[key] = _resolve(value, [scope])
+
+
+def _resolve(value: Any, scopes: list[Mapping[str, Any]]) -> Any:
+    """`value` with each `$name` replaced by what it stands for, as seen from `scopes`."""
+    if isinstance(value, Mapping):
+        resolved: dict[str, Any] = {}
+        inner = [*scopes, resolved]
+        for key, item in value.items():
+            if isinstance(key, str) and key.startswith("$"):
+                merged = _look_up(key, inner)
+                resolved.update(merged if isinstance(merged, Mapping) else {})
+            else:
+                resolved[key] = _resolve(item, inner)
+        return resolved
+    if type(value) in (list, tuple):  # not the named tuples of dimensioned values
+        return type(value)(_resolve(item, scopes) for item in value)
+    if isinstance(value, str) and value.startswith("$"):
+        return _look_up(value, scopes)
+    return value
+
+
+def _look_up(macro: str, scopes: list[Mapping[str, Any]]) -> Any:
+    """The entry that `$name`, `$:a.b` or `$..name` stands for; `macro` itself when there is none"""
+    name = macro[1:].strip("{}")
+    if name.startswith(":"):
+        found: Any = scopes[0]
+        for part in name[1:].split("."):
+            if not isinstance(found, Mapping) or part not in found:
+                return macro
+            found = found[part]
+        return found
+    ups = len(name) - len(name.lstrip("."))
+    visible = scopes[: len(scopes) - ups + 1] if ups > 1 else scopes
+    for scope in reversed(visible):
+        if name.lstrip(".") in scope:
+            return scope[name.lstrip(".")]
+    return macro
+
+
+def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> None:
+    """Give an existing entry (`a/b/c` for nested ones) a new value; comments stay.
+
+    Raises InputError when the entry does not exist or the value is not one OpenFOAM value.
+    """
+    shown = _shown(path, case)
+    current: Any = _parse(path, shown)
+    keys = entry.split("/")
+    for depth, key in enumerate(keys):
+        if not isinstance(current, Mapping) or key not in current:
+            names = [str(k) for k in current] if isinstance(current, Mapping) else []
+            raise InputError(
+                f"{shown}: {'/'.join(keys[: depth + 1])}: no such entry"
+                f"{suggestion(key, names)}; allowed: {', '.join(names) or 'nothing below a value'}"
+            )
+        current = current[key]
+    try:
+        parsed = FoamFile.loads(f"value {text};")
+        good = isinstance(parsed, Mapping) and list(parsed) == ["value"]
+        value = parsed["value"] if good else None
+    except Exception:
+        value = None
+    if value is None or isinstance(value, Mapping) or any(c in text for c in ";{}#$\n"):
+        raise InputError(
+            f"{shown}: {entry}: '{one_line(text, 60)}'; allowed: one value, "
+            "such as 5, word or (0 0 1)"
+        )
+    with writing_to(path.parent), FoamFile(path) as file:
+        file[tuple(keys)] = value

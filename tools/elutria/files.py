@@ -1,0 +1,123 @@
+"""Files that are either whole or not there: written beside their place, then renamed."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from elutria.errors import ElutriaError, InputError, one_line
+
+
+@contextmanager
+def writing_to(folder: Path) -> Iterator[None]:
+    """Turn an operating system's refusal to write in `folder` into one line.
+
+    Raises InputError where the place is at fault, ElutriaError for the rest (a full disk).
+    """
+    try:
+        yield
+    except (PermissionError, NotADirectoryError, FileExistsError, IsADirectoryError) as error:
+        raise InputError(
+            f"{error.filename or folder}: cannot be written ({error.strerror}); "
+            "choose a folder you may write to with --to"
+        ) from error
+    except OSError as error:
+        raise ElutriaError(
+            f"{error.filename or folder}: writing failed ({error.strerror or one_line(error)})"
+        ) from error
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A temporary path in the folder of `path`, renamed to `path` when the block succeeds."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
+    try:
+        with writing_to(path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield temporary
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
+            temporary.replace(path)
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write `text` to `path`, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write `content` as indented JSON; numbers that are not finite become null."""
+    write_text(path, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+
+
+def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write `rows` (a mapping per row with at least `columns`) with a header line.
+
+    Numbers are written so that they read back to the same value; a missing one is ``nan``.
+    """
+    with whole_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(columns)
+        for row in rows:
+            table.writerow([_cell(row[name]) for name in columns])
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def read_csv(path: Path, columns: Sequence[str]) -> list[dict[str, Any]]:
+    """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one.
+
+    Raises InputError when the file is missing, has other columns or ends within a row.
+    """
+    text = read_text(path)
+    rows = list(csv.reader(text.splitlines()))
+    if not rows or [name for name in columns if name not in rows[0]]:
+        raise InputError(f"{path}: first line must name the columns {','.join(columns)}")
+    if not text.endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
+        raise InputError(f"{path}: ends within a row or has rows of different length")
+    return [dict(zip(rows[0], map(_number_or_text, row), strict=True)) for row in rows[1:]]
+
+
+def _number_or_text(cell: str) -> float | str:
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def read_text(path: Path, limit: int = 50_000_000) -> str:
+    """Text of a regular file of at most `limit` bytes. Raises InputError naming the file."""
+    try:
+        if not path.exists():
+            raise InputError(f"{path}: file not found")
+        if not path.is_file():
+            raise InputError(f"{path}: is not a regular file")
+        if path.stat().st_size > limit:
+            raise InputError(f"{path}: is larger than {limit / 1e6:g} MB")
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not a text file (byte {error.start})") from error
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: cannot be read ({one_line(error)})") from error
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A JSON object from a file. Raises InputError naming the file."""
+    try:
+        content = json.loads(read_text(path))
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise InputError(f"{path}: is not whole JSON ({one_line(error)})") from error
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: must hold a JSON object, not {type(content).__name__}")
+    return content

@@ -1,0 +1,303 @@
+"""Maximum-likelihood fit of partition curves to single events, with honest intervals.
+
+Each parcel that left is one Bernoulli trial: coarse with probability T(d). Nothing is binned. Every
+model is fitted with and without bypass, ranked by Akaike's criterion; d25, d50, d75 of the best one
+get 95 % intervals from the profile likelihood: all values that a likelihood-ratio test would not
+reject at 5 %. Statistical weights enter relative to parcels of like size, since a choice by size
+alone tells nothing about T(d), and their spread lowers the effective number of events (Kish).
+
+When every coarse parcel is larger than every fine one, the curve is a step somewhere in the gap:
+the interval is the gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, inf, isfinite, log, nan, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import expit, log_expit
+from scipy.stats import chi2
+
+from elutria.curves import MODELS, Model
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+LEVELS = (0.25, 0.50, 0.75)
+_THRESHOLD = float(chi2.ppf(0.95, df=1))
+_MAX_BYPASS = 0.6
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """One fitted model. Diameters in m; `log_shape` is ln s of the model, `bypass` 0..1."""
+
+    model: Model | None  # None: a step
+    log_diameter: float  # ln(d50/m) of the curve without its bypass
+    log_shape: float
+    bypass: float
+    log_likelihood: float
+    parameters: int
+
+    @property
+    def name(self) -> str:
+        """Model and whether it has a bypass."""
+        if self.model is None:
+            return "step"
+        return self.model.name + (" + bypass" if self.parameters == 3 else "")
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion: 2 parameters - 2 ln L. The smaller the better."""
+        return 2 * self.parameters - 2 * self.log_likelihood
+
+    def share(self, diameter: Array) -> Array:
+        """T at `diameter` (m)."""
+        if self.model is None:
+            return (np.log(diameter) > self.log_diameter).astype(float)
+        inner = self.model.share(diameter / exp(self.log_diameter), self.log_shape)
+        return self.bypass + (1 - self.bypass) * inner
+
+    def diameter_at(self, share: float) -> float:
+        """Diameter (m) where T is `share`; nan where the bypass lies above it."""
+        if self.model is None:
+            return exp(self.log_diameter)
+        if self.bypass >= share:
+            return nan
+        inner = (share - self.bypass) / (1 - self.bypass)
+        return exp(self.log_diameter + self.model.log_x_at(inner, self.log_shape))
+
+    def finest_is_seen(self, smallest: float) -> bool:
+        """Whether the curve without its bypass is below 5 % at the smallest size (m)."""
+        if self.model is None:
+            return True
+        return self.log_diameter + self.model.log_x_at(0.05, self.log_shape) > log(smallest)
+
+
+@dataclass(frozen=True)
+class PartitionFit:
+    """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one.
+
+    A size is nan where the curve does not reach its level within the sizes that left.
+    """
+
+    ranked: list[CurveFit]
+    sizes: dict[float, tuple[float, float, float]]
+
+    @property
+    def best(self) -> CurveFit | None:
+        """The fit with the smallest AIC, None when there is nothing to fit."""
+        return self.ranked[0] if self.ranked else None
+
+    @property
+    def d25(self) -> float:
+        return self.sizes[0.25][0]
+
+    @property
+    def d50(self) -> float:
+        return self.sizes[0.50][0]
+
+    @property
+    def d75(self) -> float:
+        return self.sizes[0.75][0]
+
+    @property
+    def sharpness(self) -> float:
+        """d25/d75 (ISO 9276-4): 1 for a perfect cut."""
+        return self.d25 / self.d75
+
+    @property
+    def ecart_probable(self) -> float:
+        """(d75 - d25)/2, m."""
+        return (self.d75 - self.d25) / 2
+
+
+def fit_partition(
+    diameter: Array,
+    coarse: Flags,
+    weight: Array | None = None,
+    models: tuple[Model, ...] = MODELS,
+    intervals: bool = True,
+) -> PartitionFit:
+    """Fit the events of one material: diameters (m) and whether each went to coarse.
+
+    `weight` (mass per parcel at equal size, any unit) defaults to 1 for all.
+    """
+    nothing = dict.fromkeys(LEVELS, (nan, nan, nan))
+    if coarse.all() or not coarse.any():
+        return PartitionFit([], nothing)
+    step = _step(diameter, coarse)
+    if step is not None:
+        return step
+    likelihood = _Likelihood(np.log(diameter), coarse, relative_weights(diameter, weight))
+    start = _start(likelihood)
+    fits = [_fit(likelihood, model, bypass, start) for model in models for bypass in (False, True)]
+    # a bypass is known only where sizes that the cut itself sends to fines were seen
+    known = [fit for fit in fits if fit.bypass == 0 or fit.finest_is_seen(diameter.min())]
+    ranked = sorted(known, key=lambda fit: fit.aic)
+    best = ranked[0]
+    sizes = {}
+    for level in LEVELS:
+        value = best.diameter_at(level)
+        if not diameter.min() <= value <= diameter.max():
+            sizes[level] = (nan, nan, nan)
+        elif intervals:
+            sizes[level] = (value, *_profile_interval(likelihood, best, level))
+        else:
+            sizes[level] = (value, nan, nan)
+    return PartitionFit(ranked, sizes)
+
+
+def relative_weights(diameter: Array, weight: Array | None) -> Array:
+    """Weights over the mean of parcels of like size, scaled to add up to the effective number."""
+    if weight is None or np.ptp(weight) == 0:
+        return np.ones_like(diameter)
+    classes = np.floor(np.log(diameter) / log(10) * 40).astype(int)
+    _, index = np.unique(classes, return_inverse=True)
+    mean = np.bincount(index, weight) / np.bincount(index)
+    relative = weight / mean[index]
+    return np.asarray(relative * relative.sum() / np.sum(relative**2))
+
+
+class _Likelihood:
+    """-ln L of events against (ln d at T' = 1/2, ln s, bypass)."""
+
+    def __init__(self, log_diameter: Array, coarse: Flags, weight: Array):
+        self.log_diameter = log_diameter
+        self.coarse = coarse
+        self.weight = weight
+        self.coarse_weight = np.where(coarse, weight, 0.0)
+
+    def negative(self, model: Model, center: float, log_shape: float, bypass: float) -> float:
+        logit = model.logit(self.log_diameter - center, log_shape)
+        if bypass <= 0:
+            # ln T = -ln(1 + e^-l) and ln(1 - T) = ln T - l
+            log_fines = log_expit(-logit)
+            value = self.weight @ log_fines + self.coarse_weight @ np.clip(logit, -1e6, 1e6)
+            return -float(value)
+        log_fines = log_expit(-logit) + np.log1p(-bypass)
+        log_coarse = np.log(bypass + (1 - bypass) * expit(logit))
+        return -float(self.weight @ np.where(self.coarse, log_coarse, log_fines))
+
+
+def _start(likelihood: _Likelihood) -> tuple[float, float]:
+    """ln d that parts coarse from fines with the least misplaced weight, and their spread."""
+    order = np.argsort(likelihood.log_diameter)
+    log_d = likelihood.log_diameter[order]
+    coarse = likelihood.coarse_weight[order]
+    fines = likelihood.weight[order] - coarse
+    misplaced = np.cumsum(coarse) + fines.sum() - np.cumsum(fines)
+    center = float(log_d[np.argmin(misplaced)])
+    wrong = likelihood.coarse != (likelihood.log_diameter > center)
+    distance = np.abs(likelihood.log_diameter[wrong] - center)
+    spread = 2 * float(np.median(distance)) if distance.size else 0.01
+    return center, max(spread, 1e-4)
+
+
+def _fit(
+    likelihood: _Likelihood, model: Model, with_bypass: bool, start: tuple[float, float]
+) -> CurveFit:
+    center, spread = start
+    shape = float(np.clip(model.start(spread), *model.bounds))
+    bypass = [0.02] if with_bypass else []
+
+    # ln d in units of the spread, so that all parameters are of order one
+    def objective(p: Array) -> float:
+        return likelihood.negative(
+            model, center + spread * p[0], p[1], float(p[2]) if with_bypass else 0.0
+        )
+
+    found, value = _minimize(
+        objective,
+        np.array([0.0, shape, *bypass]),
+        [(-inf, inf), model.bounds, *([(0.0, _MAX_BYPASS)] if with_bypass else [])],
+    )
+    return CurveFit(
+        model,
+        center + spread * float(found[0]),
+        float(found[1]),
+        float(found[2]) if with_bypass else 0.0,
+        -value,
+        2 + with_bypass,
+    )
+
+
+def _minimize(
+    objective: Callable[[Array], float], start: Array, bounds: list[tuple[float, float]]
+) -> tuple[Array, float]:
+    limits = [tuple(None if not isfinite(b) else b for b in pair) for pair in bounds]
+    result = minimize(
+        objective, start, method="L-BFGS-B", bounds=limits, options={"ftol": 1e-13, "gtol": 1e-6}
+    )
+    return result.x, float(result.fun)
+
+
+def _profile_interval(likelihood: _Likelihood, fit: CurveFit, level: float) -> tuple[float, float]:
+    """The 95 % interval of the diameter at `level`: where 2 (ln L max - ln L) is below chi2."""
+    model = fit.model
+    assert model is not None
+    best = log(fit.diameter_at(level))
+    nuisance = np.array([fit.log_shape, fit.bypass][: fit.parameters - 1])
+    bounds = [model.bounds, (0.0, min(_MAX_BYPASS, level - 1e-3))][: fit.parameters - 1]
+
+    def lack(log_d: float, start: Array) -> tuple[float, Array]:
+        """2 (ln L max - ln L) at the given ln d, the other parameters at their best."""
+
+        def objective(p: Array) -> float:
+            bypass = float(p[1]) if fit.parameters == 3 else 0.0
+            inner = (level - bypass) / (1 - bypass)
+            center = log_d - model.log_x_at(inner, float(p[0]))
+            return likelihood.negative(model, center, float(p[0]), bypass)
+
+        found, value = _minimize(objective, start, bounds)
+        return 2 * (value + fit.log_likelihood), found
+
+    low = _crossing(lambda t, p: lack(best - t, p), nuisance)
+    high = _crossing(lambda t, p: lack(best + t, p), nuisance)
+    return exp(best - low) if isfinite(low) else nan, exp(best + high) if isfinite(high) else nan
+
+
+def _crossing(lack: Callable[[float, Array], tuple[float, Array]], start: Array) -> float:
+    """Distance at which `lack` reaches the threshold; the root of sqrt(lack) is nearly linear."""
+    near, near_root, nuisance = 0.0, 0.0, start
+    target = sqrt(_THRESHOLD)
+    far = 0.01
+    for _ in range(40):
+        value, found = lack(far, nuisance)
+        root = sqrt(max(value, 0.0))
+        if abs(root - target) < 2e-3:
+            return far
+        if root > target:
+            break
+        near, near_root, nuisance = far, root, found
+        far *= min(max(1.1 * target / max(root, 1e-9), 1.1), 4.0)
+        if far > 7:
+            return inf
+    else:
+        return inf
+    far_root = root
+    for _ in range(40):  # regula falsi between near (inside) and far (outside)
+        middle = near + (far - near) * (target - near_root) / (far_root - near_root)
+        value, found = lack(middle, nuisance)
+        root = sqrt(max(value, 0.0))
+        if abs(root - target) < 2e-3:
+            return middle
+        if root > target:
+            far, far_root = middle, root
+        else:
+            near, near_root, nuisance = middle, root, found
+    return 0.5 * (near + far)
+
+
+def _step(diameter: Array, coarse: Flags) -> PartitionFit | None:
+    """The fit when sizes part the products completely, else None."""
+    low, high = float(diameter[~coarse].max()), float(diameter[coarse].min())
+    if low > high:
+        return None
+    middle = sqrt(low * high)
+    step = CurveFit(None, log(middle), inf, 0.0, 0.0, 1)
+    return PartitionFit([step], dict.fromkeys(LEVELS, (middle, low, high)))

@@ -1,0 +1,46 @@
+"""Tables for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rich.table import Table
+
+
+def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
+    """The summary with sizes in um; `all` is left out where there is one material."""
+    rows = list(rows)
+    names = {row["material"] for row in rows} - {"all"}
+    table = Table(title="Classification (sizes in um)", title_justify="left", padding=(0, 1, 0, 0))
+    headings = ["U m/s", "d25", "d50", "95 %", "d75", "sharpness", "bypass", "fines", "fed", "lost"]
+    if len(names) > 1:
+        headings.insert(1, "material")
+    for heading in headings:
+        align = "left" if heading == "material" else "right"
+        table.add_column(heading, justify=align, no_wrap=True)
+    for row in rows:
+        if len(names) == 1 and row["material"] == "all":
+            continue
+        table.add_row(
+            f"{row['gas_velocity_m_s']:g}",
+            *([str(row["material"])] if len(names) > 1 else []),
+            _micrometres(row["d25_m"]),
+            _micrometres(row["d50_m"]),
+            f"{_micrometres(row['d50_low_m'])}..{_micrometres(row['d50_high_m'])}",
+            _micrometres(row["d75_m"]),
+            _fixed(row["sharpness"], 3),
+            _fixed(row["bypass"], 3),
+            _fixed(row["fines_yield"], 3),
+            f"{row['particles_fed']:.12g}",
+            f"{row['particles_lost']:.12g}",
+        )
+    return table
+
+
+def _micrometres(value: float) -> str:
+    return "-" if value != value else f"{value * 1e6:.4g}"
+
+
+def _fixed(value: float, digits: int) -> str:
+    return "-" if value != value else f"{value:.{digits}f}"

@@ -1,0 +1,220 @@
+"""Runs over gas velocities, side by side; what is finished is never run again.
+
+RESULTS/U<velocity> is the first run of a velocity, RESULTS/U<velocity>-<r> replicate r with its own
+seed. Each is a process of its own, so that one that fails or is killed leaves the others alone.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from elutria.case import PARAMETERS, SEED, Case, Setting
+from elutria.classify import Classification, classify
+from elutria.errors import ElutriaError, InputError, one_line
+from elutria.events import join, read_run
+from elutria.files import write_json, writing_to
+from elutria.run import is_finished, wall_time
+from elutria.theory import write_theory
+
+
+@dataclass(frozen=True)
+class Member:
+    """One run of a sweep: its velocity (m/s), folder and settings."""
+
+    velocity: float
+    replicate: int
+    folder: Path
+    settings: tuple[Setting, ...]
+
+    @property
+    def name(self) -> str:
+        """`5 m/s`, `5 m/s, replicate 2`."""
+        return f"{self.velocity:g} m/s" + (
+            f", replicate {self.replicate}" if self.replicate > 1 else ""
+        )
+
+
+@dataclass
+class SweepResult:
+    """Tables of the velocities that are whole, and the reasons of those that are not."""
+
+    tables: Classification = field(default_factory=Classification)
+    failures: dict[str, str] = field(default_factory=dict)
+    skipped: int = 0
+
+
+class Watcher:
+    """What a sweep tells while it runs; the command line shows it."""
+
+    def progress(self, name: str, share: float, note: str) -> None:
+        """A run is at `share` (0..1)."""
+
+    def finished(self, name: str, line: str) -> None:
+        """A run is whole or failed."""
+
+
+def parse_velocities(text: str) -> list[float]:
+    """`A:B:N` (N values from A to B) or a comma-separated list, m/s; rising, without repeats."""
+    allowed = "A:B:N such as 3:10:8, or a list such as 3,4.5,6 (m/s, > 0)"
+    try:
+        if ":" in text:
+            first, last, count = text.split(":")
+            if not 1 <= int(count) <= 1000:
+                raise ValueError
+            values = np.linspace(float(first), float(last), int(count)).tolist()
+        else:
+            values = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--velocity '{one_line(text, 60)}'; allowed: {allowed}") from None
+    for value in values:
+        if not (math.isfinite(value) and 0 < value <= 1000):
+            raise InputError(f"--velocity '{one_line(text, 60)}': {value:g}; allowed: {allowed}")
+    return sorted({float(f"{value:.12g}") for value in values})
+
+
+def plan(
+    case: Case, folder: Path, velocities: list[float], replicates: int, extra: Iterable[str]
+) -> list[Member]:
+    """The runs of a sweep, checked as far as possible without running anything."""
+    if replicates < 1:
+        raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
+    case.feed()
+    seed = 0
+    if replicates > 1:
+        parameters = case.dictionary(PARAMETERS, with_included=True)
+        seed = int(parameters.number("seed", at_least=0))
+    extra = list(extra)
+    members = []
+    for velocity in velocities:
+        for replicate in range(1, replicates + 1):
+            settings = case.settings_for(velocity, extra)
+            if replicate > 1:
+                settings.append(Setting.parse(f"{SEED}={seed + replicate - 1}"))
+            suffix = f"-{replicate}" if replicate > 1 else ""
+            members.append(
+                Member(velocity, replicate, folder / f"U{velocity:.12g}{suffix}", tuple(settings))
+            )
+    return members
+
+
+def run_sweep(
+    case: Case, folder: Path, members: list[Member], jobs: int, np: int, watcher: Watcher
+) -> SweepResult:
+    """Run what is not finished, `jobs` at a time, and write the tables of what is whole."""
+    with writing_to(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    result = SweepResult()
+    todo = [m for m in members if not is_finished(m.folder, case.fingerprint(m.settings, np))]
+    result.skipped = len(members) - len(todo)
+    with _Pool(case, jobs, np, watcher) as pool:
+        pool.run(todo, result.failures)
+    for velocity in sorted({member.velocity for member in members}):
+        group = [m for m in members if m.velocity == velocity and m.name not in result.failures]
+        if group:
+            try:
+                run = join([read_run(member.folder) for member in group])
+                seconds = sum(wall_time(member.folder) for member in group)
+                result.tables.extend(classify(run, velocity, seconds))
+            except InputError as error:
+                result.failures[group[0].name] = str(error)
+    result.tables.write(folder)
+    write_theory(case, [member.velocity for member in members], folder)
+    write_json(
+        folder / "sweep.json",
+        {
+            "case": case.name,
+            "velocities_m_s": sorted({member.velocity for member in members}),
+            "replicates": max(member.replicate for member in members),
+            "failed": result.failures,
+        },
+    )
+    return result
+
+
+class _Pool:
+    """Worker processes, all ended when the block is left for whatever reason."""
+
+    def __init__(self, case: Case, jobs: int, np: int, watcher: Watcher):
+        self.case = case
+        self.np = np
+        self.watcher = watcher
+        self.executor = ThreadPoolExecutor(max_workers=jobs)
+        self.processes: set[subprocess.Popen[str]] = set()
+        self.lock = threading.Lock()
+        self.stopping = False
+
+    def __enter__(self) -> _Pool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with self.lock:
+            self.stopping = True
+            for process in self.processes:
+                process.terminate()
+        self.executor.shutdown(wait=True, cancel_futures=True)
+
+    def run(self, members: list[Member], failures: dict[str, str]) -> None:
+        """Run all; a failure goes to `failures` and the others go on."""
+        pending: dict[Future[None], Member] = {
+            self.executor.submit(self._one, member): member for member in members
+        }
+        while pending:
+            for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                member = pending.pop(future)
+                try:
+                    future.result()
+                except ElutriaError as error:
+                    failures[member.name] = str(error)
+                    self.watcher.finished(member.name, f"FAILED: {error}")
+                else:
+                    seconds = wall_time(member.folder)
+                    self.watcher.finished(member.name, f"finished in {seconds:.0f} s")
+
+    def _one(self, member: Member) -> None:
+        settings = [f"{s.file}:{s.entry}={s.value}" for s in member.settings]
+        command = [
+            sys.executable, "-m", "elutria.worker", str(self.case.path), str(member.folder),
+            str(self.np), *settings,
+        ]  # fmt: skip
+        if shutil.which("setpriv"):  # nothing goes on when the sweep is killed
+            command = ["setpriv", "--pdeathsig", "TERM", *command]
+        environment = {"OMP_NUM_THREADS": "1", **os.environ}
+        with self.lock:
+            if self.stopping:
+                return
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                errors="replace",
+                env=environment,
+            )
+            self.processes.add(process)
+        _follow(process, lambda share, note: self.watcher.progress(member.name, share, note))
+        message = process.stderr.read() if process.stderr else ""
+        code = process.wait()
+        with self.lock:
+            self.processes.discard(process)
+        if code != 0:
+            lines = [line for line in message.splitlines() if line.strip()]
+            raise ElutriaError(lines[-1] if lines else f"ended with exit code {code}")
+
+
+def _follow(process: subprocess.Popen[str], progress: Callable[[float, str], None]) -> None:
+    for line in process.stdout or ():
+        words = line.split(maxsplit=2)
+        if len(words) >= 2 and words[0] == "progress":
+            progress(float(words[1]), words[2].strip() if len(words) > 2 else "")
