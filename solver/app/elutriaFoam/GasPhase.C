@@ -1,0 +1,294 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "GasPhase.H"
+#include "CorrectPhi.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+IOobject GasPhase::fieldHeader
+(
+    const word& name,
+    IOobject::readOption read
+) const
+{
+    return IOobject
+    (
+        name, mesh_.time().timeName(), mesh_, read, IOobject::AUTO_WRITE
+    );
+}
+
+
+tmp<fvVectorMatrix> GasPhase::momentum(const volScalarField& coefficient)
+{
+    return
+        fvm::ddt(alpha_, U_) + fvm::div(alphaPhi_, U_)
+      - fvm::Sp(fvc::ddt(alpha_) + fvc::div(alphaPhi_), U_)
+      + turbulence_->divDevRhoReff(U_)
+     ==
+      - fvm::Sp(coefficient/rho_, U_);
+}
+
+
+void GasPhase::correctPressure
+(
+    const fvVectorMatrix& momentum,
+    const volScalarField& rAU,
+    const surfaceScalarField& rAUf,
+    const surfaceScalarField& forceFlux
+)
+{
+    volVectorField HbyA(constrainHbyA(rAU*momentum.H(), U_, p_));
+    surfaceScalarField phiHbyA
+    (
+        "phiHbyA",
+        fvc::flux(HbyA) + alphaf_*rAUf*fvc::ddtCorr(U_, phi_)
+    );
+    if (p_.needReference())
+    {
+        adjustPhi(phiHbyA, U_, p_);
+    }
+    phiHbyA += forceFlux;
+    constrainPressure(p_, U_, phiHbyA, rAUf);
+
+    while (pimple_.correctNonOrthogonal())
+    {
+        fvScalarMatrix pressure
+        (
+            fvm::laplacian(alphaf_*rAUf, p_)
+         ==
+            fvc::ddt(alpha_) + fvc::div(alphaf_*phiHbyA)
+        );
+        pressure.setReference(pRefCell_, pRefValue_);
+        pressure.solve
+        (
+            mesh_.solver(p_.select(pimple_.finalInnerIter()))
+        );
+
+        if (pimple_.finalNonOrthogonalIter())
+        {
+            const surfaceScalarField pressureFlux(pressure.flux()/alphaf_);
+            phi_ = phiHbyA - pressureFlux;
+            alphaPhi_ = alphaf_*phi_;
+            p_.relax();
+            U_ =
+                HbyA
+              + rAU*fvc::reconstruct((forceFlux - pressureFlux)/rAUf);
+            U_.correctBoundaryConditions();
+        }
+    }
+}
+
+
+void GasPhase::reportContinuity()
+{
+    const volScalarField error(fvc::ddt(alpha_) + fvc::div(alphaPhi_));
+    const scalar dt = mesh_.time().deltaTValue();
+    const scalar local =
+        dt*fvc::domainIntegrate(mag(error)).value()/gSum(mesh_.V());
+    const scalar global =
+        dt*fvc::domainIntegrate(error).value()/gSum(mesh_.V());
+    cumulativeContinuityError_ += global;
+
+    Info<< "time step continuity errors : sum local = " << local
+        << ", global = " << global
+        << ", cumulative = " << cumulativeContinuityError_ << endl;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+GasPhase::GasPhase
+(
+    fvMesh& mesh,
+    pimpleControl& pimple,
+    const dimensionedVector& g
+)
+:
+    mesh_(mesh),
+    pimple_(pimple),
+    g_(g),
+    name_
+    (
+        IOdictionary
+        (
+            IOobject
+            (
+                "transportProperties",
+                mesh.time().constant(),
+                mesh,
+                IOobject::MUST_READ,
+                IOobject::NO_WRITE,
+                false
+            )
+        ).get<word>("continuousPhase")
+    ),
+    U_(fieldHeader(IOobject::groupName("U", name_), IOobject::MUST_READ), mesh),
+    p_(fieldHeader("p", IOobject::MUST_READ), mesh),
+    phi_
+    (
+        fieldHeader
+        (
+            IOobject::groupName("phi", name_), IOobject::READ_IF_PRESENT
+        ),
+        fvc::flux(U_)
+    ),
+    transport_(U_, phi_),
+    rho_
+    (
+        fieldHeader(IOobject::groupName("rho", name_), IOobject::NO_READ),
+        mesh,
+        dimensionedScalar
+        (
+            IOobject::groupName("rho", name_), dimDensity, transport_
+        )
+    ),
+    mu_
+    (
+        fieldHeader(IOobject::groupName("mu", name_), IOobject::NO_READ),
+        rho_*transport_.nu()
+    ),
+    alpha_
+    (
+        fieldHeader
+        (
+            IOobject::groupName("alpha", name_), IOobject::READ_IF_PRESENT
+        ),
+        mesh,
+        dimensionedScalar("one", dimless, 1)
+    ),
+    alphaf_("alphaf", fvc::interpolate(alpha_)),
+    alphaPhi_
+    (
+        fieldHeader(IOobject::groupName("alphaPhi", name_), IOobject::NO_READ),
+        alphaf_*phi_
+    ),
+    turbulence_(nullptr),
+    pRefCell_(0),
+    pRefValue_(0),
+    cumulativeContinuityError_(0)
+{
+    setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
+    mesh.setFluxRequired(p_.name());
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void GasPhase::startTurbulence()
+{
+    turbulence_ = turbulenceModelType::New
+    (
+        alpha_, U_, alphaPhi_, phi_, transport_
+    );
+}
+
+
+void GasPhase::correctTransport()
+{
+    transport_.correct();
+    mu_ = rho_*transport_.nu();
+}
+
+
+void GasPhase::setSolidFraction(const volScalarField& solid)
+{
+    alpha_ = 1.0 - solid;
+    alpha_.correctBoundaryConditions();
+    alphaf_ = fvc::interpolate(alpha_);
+    alphaPhi_ = alphaf_*phi_;
+}
+
+
+void GasPhase::solve(const ElutriaCloud::GasExchange& particles)
+{
+    // The explicit part at the velocity the particles saw
+    const volVectorField force
+    (
+        (particles.force + particles.coefficient*U_)/rho_
+    );
+
+    while (pimple_.loop())
+    {
+        tmp<fvVectorMatrix> equation(momentum(particles.coefficient));
+        fvVectorMatrix& UEqn = equation.ref();
+        UEqn.relax();
+
+        const volScalarField rAU(1.0/UEqn.A());
+        const surfaceScalarField rAUf("Dp", fvc::interpolate(rAU));
+        const surfaceScalarField forceFlux
+        (
+            fvc::flux(rAU*force) + rAUf*(g_ & mesh_.Sf())
+        );
+
+        if (pimple_.momentumPredictor())
+        {
+            Foam::solve
+            (
+                UEqn
+             ==
+                fvc::reconstruct
+                (
+                    forceFlux/rAUf - fvc::snGrad(p_)*mesh_.magSf()
+                )
+            );
+        }
+        while (pimple_.correct())
+        {
+            correctPressure(UEqn, rAU, rAUf, forceFlux);
+        }
+        if (pimple_.turbCorr())
+        {
+            turbulence_->correct();
+        }
+    }
+    reportContinuity();
+}
+
+
+void GasPhase::check() const
+{
+    scalar worst = 0;
+    label cell = -1;
+    forAll(U_, celli)
+    {
+        const scalar speed = mag(U_[celli]);
+        if (!(speed < 1e4) || !(mag(p_[celli]) < GREAT))
+        {
+            worst = speed;
+            cell = celli;
+            break;
+        }
+    }
+
+    label failing = cell < 0 ? Pstream::nProcs() : Pstream::myProcNo();
+    reduce(failing, minOp<label>());
+    if (failing == Pstream::nProcs())
+    {
+        return;
+    }
+
+    point place(Zero);
+    if (failing == Pstream::myProcNo())
+    {
+        place = mesh_.C()[cell];
+    }
+    reduce(place, sumOp<vector>());
+    reduce(cell, maxOp<label>());
+    reduce(worst, maxOp<scalar>());
+    FatalErrorInFunction
+        << "the gas diverged at time " << mesh_.time().timeName()
+        << " s in cell " << cell << " at " << place << " (speed " << worst
+        << " m/s); likely causes: a time step too large (lower maxCo or"
+        << " deltaT), or a void fraction near its minimum" << exit(FatalError);
+}
+
+
+} // End namespace Foam

@@ -1,0 +1,129 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Application
+    elutriaFoam
+
+Description
+    Gas with a cloud of colliding particles, for air classification: transient
+    volume-averaged incompressible gas (PIMPLE), two-way exchange of momentum,
+    particles moved by Elutria's contact engine. Reads what DPMFoam reads, and
+    constant/feed.
+
+\*---------------------------------------------------------------------------*/
+
+#include "GasPhase.H"
+#include "foamVersion.H"
+
+using namespace Foam;
+
+namespace
+{
+
+void reportCount(const Time& runTime, const ElutriaCloud& cloud,
+    const ElutriaCloud::Count& count)
+{
+    Info<< "elutria: time " << runTime.value();
+    if (const Feed* feed = cloud.feed())
+    {
+        Info<< " fed " << count.fed;
+        forAll(feed->products(), i)
+        {
+            Info<< ' ' << feed->products()[i] << ' ' << count.left[i];
+        }
+        Info<< " inside " << count.inside << " lost " << count.lost;
+    }
+    else
+    {
+        Info<< " inside " << count.inside;
+    }
+    Info<< endl;
+}
+
+} // End anonymous namespace
+
+
+int main(int argc, char *argv[])
+{
+    argList::addNote
+    (
+        "Gas with a cloud of colliding particles, for air classification."
+        " Reads the case of DPMFoam, and constant/feed."
+    );
+    argList::addOption
+    (
+        "cloud",
+        "name",
+        "name of the cloud (default: kinematicCloud)"
+    );
+
+    #include "addCheckCaseOptions.H"
+    #include "setRootCaseLists.H"
+    #include "createTime.H"
+    #include "createMesh.H"
+    #include "createControl.H"
+    #include "createTimeControls.H"
+    #include "readGravitationalAcceleration.H"
+
+    GasPhase gas(mesh, pimple, g);
+    ElutriaCloud cloud
+    (
+        args.opt<word>("cloud", "kinematicCloud"),
+        gas.rho(), gas.U(), gas.mu(), g
+    );
+    const scalar largestSolidFraction =
+        cloud.particleProperties().subDict("constantProperties")
+       .get<scalar>("alphaMax");
+
+    gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+    gas.startTurbulence();
+
+    Info<< "\nStarting time loop\n" << endl;
+
+    while (runTime.run())
+    {
+        #include "readTimeControls.H"
+        {
+            const surfaceScalarField& phi = gas.phi();
+            #include "CourantNo.H"
+            #include "setDeltaT.H"
+        }
+        ++runTime;
+        Info<< "Time = " << runTime.timeName() << nl << endl;
+
+        gas.correctTransport();
+        cloud.evolve();
+        gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+        if (cloud.excessVolume() > 0)
+        {
+            Info<< "    Warning: " << cloud.excessVolume()
+                << " m3 of solids are above the largest solid fraction "
+                << largestSolidFraction << " and not seen by the gas" << endl;
+        }
+
+        const volVectorField before("before", gas.U());
+        gas.solve(cloud.exchange());
+        gas.check();
+        cloud.correct(gas.U() - before);
+
+        const ElutriaCloud::Count count = cloud.count();
+        reportCount(runTime, cloud, count);
+
+        if (cloud.drained(count))
+        {
+            cloud.writeLedger();
+            runTime.writeAndEnd();
+        }
+        else
+        {
+            runTime.write();
+        }
+        runTime.printExecutionTime(Info);
+    }
+
+    Info<< "elutria: finished" << endl;
+    return 0;
+}

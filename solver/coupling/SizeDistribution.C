@@ -1,0 +1,248 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "SizeDistribution.H"
+#include "foamVersion.H"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace Foam
+{
+
+namespace
+{
+
+//- Classes of the grid on which the curves are kept
+constexpr label nClasses = 4096;
+
+scalar readPositive(const dictionary& dict, const word& entry)
+{
+    const scalar value = dict.get<scalar>(entry);
+
+    if (!(value > 0) || !std::isfinite(value))
+    {
+        FatalIOErrorInFunction(dict)
+            << entry << " is " << value << ", allowed: a size > 0"
+            << exit(FatalIOError);
+    }
+    return value;
+}
+
+
+//- The stated cumulative law, not yet truncated
+std::function<scalar(scalar)> statedLaw(const dictionary& dict)
+{
+    const word type(dict.get<word>("type"));
+
+    if (type == "RosinRammler")
+    {
+        const scalar d63 = readPositive(dict, "d63");
+        const scalar n = readPositive(dict, "n");
+        return [=](scalar d) { return 1 - std::exp(-std::pow(d/d63, n)); };
+    }
+    if (type == "logNormal")
+    {
+        const scalar d50 = readPositive(dict, "d50");
+        const scalar sigma = readPositive(dict, "sigma");
+        if (sigma <= 1)
+        {
+            FatalIOErrorInFunction(dict)
+                << "sigma is " << sigma
+                << ", allowed: a geometric standard deviation > 1"
+                << exit(FatalIOError);
+        }
+        return [=](scalar d)
+        {
+            return
+                0.5*std::erfc(-std::log(d/d50)/(std::sqrt(2.0)*std::log(sigma)));
+        };
+    }
+    if (type == "normal")
+    {
+        const scalar mean = readPositive(dict, "mean");
+        const scalar deviation = readPositive(dict, "standardDeviation");
+        return [=](scalar d)
+        {
+            return 0.5*std::erfc(-(d - mean)/(std::sqrt(2.0)*deviation));
+        };
+    }
+    if (type == "uniform")
+    {
+        return [](scalar d) { return d; };
+    }
+
+    FatalIOErrorInFunction(dict)
+        << "sizeDistribution type is " << type << ", allowed: RosinRammler,"
+        << " logNormal, normal, uniform, fixedValue, table"
+        << exit(FatalIOError);
+    return nullptr;
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void SizeDistribution::buildStatedCurve
+(
+    const dictionary& dict,
+    scalarList& finer
+)
+{
+    const word type(dict.get<word>("type"));
+
+    if (type == "fixedValue")
+    {
+        diameter_ = scalarList(2, readPositive(dict, "value"));
+        finer = scalarList({0, 1});
+        return;
+    }
+    if (type == "table")
+    {
+        dict.readEntry("diameters", diameter_);
+        dict.readEntry("cumulative", finer);
+
+        const bool shapeOk =
+            diameter_.size() == finer.size() && diameter_.size() >= 2;
+
+        bool ordered =
+            shapeOk && diameter_.first() > 0
+         && finer.first() == 0 && finer.last() == 1;
+
+        for (label i = 1; ordered && i < diameter_.size(); ++i)
+        {
+            ordered =
+                diameter_[i] > diameter_[i-1] && finer[i] >= finer[i-1];
+        }
+        if (!ordered)
+        {
+            FatalIOErrorInFunction(dict)
+                << "diameters and cumulative must be lists of the same length,"
+                << " increasing, diameters > 0, cumulative from 0 to 1"
+                << exit(FatalIOError);
+        }
+
+        // A fine grid between the sieves, so that the change of weighting
+        // within one sieve class is followed
+        const scalarList sieve(std::move(diameter_)), passing(std::move(finer));
+        diameter_.resize(nClasses + 1);
+        finer.resize(nClasses + 1);
+        label k = 0;
+        forAll(diameter_, i)
+        {
+            const scalar s = scalar(i)/nClasses*(sieve.size() - 1);
+            k = Foam::min(label(s), sieve.size() - 2);
+            diameter_[i] = sieve[k] + (s - k)*(sieve[k+1] - sieve[k]);
+            finer[i] = passing[k] + (s - k)*(passing[k+1] - passing[k]);
+        }
+        return;
+    }
+
+    const auto law = statedLaw(dict);
+    const scalar low = readPositive(dict, "min");
+    const scalar high = readPositive(dict, "max");
+    if (high <= low || !(law(high) > law(low)))
+    {
+        FatalIOErrorInFunction(dict)
+            << "min is " << low << " and max is " << high
+            << ", allowed: 0 < min < max with some share of the law between"
+            << exit(FatalIOError);
+    }
+
+    diameter_.resize(nClasses + 1);
+    finer.resize(nClasses + 1);
+    const scalar share = law(high) - law(low);
+    forAll(diameter_, i)
+    {
+        diameter_[i] = low*std::pow(high/low, scalar(i)/nClasses);
+        finer[i] = (law(diameter_[i]) - law(low))/share;
+    }
+}
+
+
+void SizeDistribution::massToNumber
+(
+    const scalarList& diameter,
+    scalarList& finer
+)
+{
+    scalarList number(finer.size(), Zero);
+
+    for (label i = 1; i < finer.size(); ++i)
+    {
+        // Mean of d^3 over a class with equal numbers per size step
+        const scalar a = diameter[i-1], b = diameter[i];
+        const scalar cube = 0.25*(a + b)*(sqr(a) + sqr(b));
+        number[i] = number[i-1] + (finer[i] - finer[i-1])/cube;
+    }
+    forAll(finer, i)
+    {
+        finer[i] = number[i]/number.last();
+    }
+}
+
+
+scalar SizeDistribution::integrateCube() const
+{
+    scalar sum = 0;
+    for (label i = 1; i < diameter_.size(); ++i)
+    {
+        const scalar a = diameter_[i-1], b = diameter_[i];
+        sum +=
+            (numberFiner_[i] - numberFiner_[i-1])
+           *0.25*(a + b)*(sqr(a) + sqr(b));
+    }
+    return sum;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+SizeDistribution::SizeDistribution(const dictionary& dict)
+:
+    meanCube_(0)
+{
+    buildStatedCurve(dict, numberFiner_);
+
+    const word weighting(dict.getOrDefault<word>("weighting", "mass"));
+    if (weighting == "mass")
+    {
+        massToNumber(diameter_, numberFiner_);
+    }
+    else if (weighting != "number")
+    {
+        FatalIOErrorInFunction(dict)
+            << "weighting is " << weighting << ", allowed: mass, number"
+            << exit(FatalIOError);
+    }
+    meanCube_ = integrateCube();
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+scalar SizeDistribution::quantileByNumber(const scalar u) const
+{
+    const auto upper =
+        std::upper_bound(numberFiner_.cbegin(), numberFiner_.cend(), u);
+
+    const label i =
+        Foam::min
+        (
+            Foam::max(label(upper - numberFiner_.cbegin()), label(1)),
+            numberFiner_.size() - 1
+        );
+    const scalar low = numberFiner_[i-1], high = numberFiner_[i];
+    const scalar s = high > low ? (u - low)/(high - low) : 0;
+
+    return diameter_[i-1] + s*(diameter_[i] - diameter_[i-1]);
+}
+
+
+} // End namespace Foam

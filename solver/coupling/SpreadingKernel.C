@@ -1,0 +1,129 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "SpreadingKernel.H"
+#include "foamVersion.H"
+#include "fvm.H"
+#include "gaussLaplacianScheme.H"
+#include "correctedSnGrad.H"
+#include "linear.H"
+
+namespace Foam
+{
+
+SpreadingKernel::SpreadingKernel(const fvMesh& mesh, const dictionary& dict)
+:
+    mesh_(mesh),
+    asked_(-1),
+    width_(0),
+    steps_(dict.getOrDefault<label>("steps", 2)),
+    smallestCell_(cbrt(gMin(mesh.V())))
+{
+    if (dict.found("width"))
+    {
+        ITstream& is = dict.lookup("width");
+        const token first(is);
+        if (first.isNumber() && first.number() >= 0)
+        {
+            asked_ = first.number();
+        }
+        else if (!(first.isWord() && first.wordToken() == "auto"))
+        {
+            FatalIOErrorInFunction(dict)
+                << "width is " << first << ", allowed: auto or a length >= 0"
+                << exit(FatalIOError);
+        }
+    }
+    if (steps_ < 1)
+    {
+        FatalIOErrorInFunction(dict)
+            << "steps is " << steps_ << ", allowed: >= 1" << exit(FatalIOError);
+    }
+    width_ = max(asked_, scalar(0));
+}
+
+
+void SpreadingKernel::adapt(const scalar largestDiameter)
+{
+    if (asked_ < 0)
+    {
+        width_ = diameters*largestDiameter;
+    }
+}
+
+
+template<class Type>
+void SpreadingKernel::diffuse
+(
+    GeometricField<Type, fvPatchField, volMesh>& field
+) const
+{
+    // (1 - width^2/(2 steps) laplacian) new = old, `steps` times
+    const dimensionedScalar stretch
+    (
+        "stretch", dimArea, sqr(width_)/(2*steps_)
+    );
+    const fv::gaussLaplacianScheme<Type, scalar> laplacian
+    (
+        mesh_,
+        tmp<surfaceInterpolationScheme<scalar>>(new linear<scalar>(mesh_)),
+        tmp<fv::snGradScheme<Type>>(new fv::correctedSnGrad<Type>(mesh_))
+    );
+    const surfaceScalarField gamma
+    (
+        IOobject
+        (
+            "stretch", mesh_.time().timeName(), mesh_,
+            IOobject::NO_READ, IOobject::NO_WRITE, false
+        ),
+        mesh_,
+        stretch
+    );
+
+    dictionary controls;
+    controls.add("solver", word("PCG"));
+    controls.add("preconditioner", word("DIC"));
+    controls.add("tolerance", 1e-13);
+    controls.add("relTol", 1e-10);
+
+    for (label step = 0; step < steps_; ++step)
+    {
+        const GeometricField<Type, fvPatchField, volMesh> old(field);
+        fvMatrix<Type> equation
+        (
+            fvm::Sp(dimensionedScalar("one", dimless, 1), field)
+          - const_cast<fv::gaussLaplacianScheme<Type, scalar>&>(laplacian)
+                .fvmLaplacian(gamma, field)
+         ==
+            old
+        );
+        equation.solve(controls);
+    }
+}
+
+
+template<class Type>
+void SpreadingKernel::spread
+(
+    GeometricField<Type, fvPatchField, volMesh>& field
+) const
+{
+    if (active())
+    {
+        const label level = SolverPerformance<Type>::debug;
+        SolverPerformance<Type>::debug = 0;
+        diffuse(field);
+        SolverPerformance<Type>::debug = level;
+    }
+}
+
+
+template void SpreadingKernel::spread(volScalarField&) const;
+template void SpreadingKernel::spread(volVectorField&) const;
+
+
+} // End namespace Foam

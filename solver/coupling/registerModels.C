@@ -1,0 +1,54 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    Enters Elutria's models in OpenFOAM's selection tables.
+
+\*---------------------------------------------------------------------------*/
+
+#include "basicKinematicCollidingCloud.H"
+#include "CellListCollision.H"
+#include "FeedInjection.H"
+#include "OutletRecorder.H"
+#include "LawDragForce.H"
+#include "DragLaws.H"
+#include "foamVersion.H"
+
+namespace Foam
+{
+
+typedef basicKinematicCollidingCloud::kinematicCloudType kinematicCloud_;
+typedef basicKinematicCollidingCloud::collidingCloudType collidingCloud_;
+
+// One line per model: its template, its cloud and the table it is entered in
+#define enterModel(Model, Table, Cloud)                                        \
+    defineNamedTemplateTypeNameAndDebug(Model<Cloud>, 0);                      \
+    Table<Cloud>::adddictionaryConstructorToTable<Model<Cloud>>                \
+        add##Model##ToTable_;
+
+enterModel(CellListCollision, CollisionModel, collidingCloud_)
+enterModel(FeedInjection, InjectionModel, kinematicCloud_)
+enterModel(OutletRecorder, CloudFunctionObject, kinematicCloud_)
+
+#define enterDragLaw(Law)                                                      \
+    typedef LawDragForce<kinematicCloud_, dragLaws::Law> Law##Force_;          \
+    defineTemplateTypeNameAndDebugWithName                                     \
+    (                                                                          \
+        Law##Force_, dragLaws::Law::name, 0                                    \
+    );                                                                         \
+    ParticleForce<kinematicCloud_>::                                           \
+        adddictionaryConstructorToTable<Law##Force_> add##Law##ToTable_;
+
+enterDragLaw(SchillerNaumann)
+enterDragLaw(Clift)
+enterDragLaw(HaiderLevenspiel)
+enterDragLaw(Ganser)
+enterDragLaw(DiFelice)
+enterDragLaw(WenYu)
+enterDragLaw(Gidaspow)
+enterDragLaw(Beetstra)
+
+} // End namespace Foam
