@@ -1,6 +1,7 @@
 #pragma once
 
 #include "PeriodicBox.hpp"
+#include "laws.hpp"
 
 #include <cstdint>
 #include <string>
@@ -9,7 +10,6 @@
 namespace elutria::dem
 {
 
-enum class ContactLaw { linear, hertz, springSliderDashpot };
 enum class NeighbourSearch { automatic, bruteForce, cells, verlet, hierarchical };
 enum class ContactTreatment { automatic, soft, impact };
 

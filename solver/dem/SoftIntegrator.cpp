@@ -8,40 +8,6 @@
 namespace elutria::dem
 {
 
-LawTable::LawTable(ContactLaw law, const ContactMaterials& materials)
-  : size_(materials.size()), table_(size_*size_)
-{
-    for (std::uint32_t a = 0; a < size_; ++a)
-    {
-        for (std::uint32_t b = 0; b < size_; ++b)
-        {
-            const ContactMaterial &ma = materials[a], &mb = materials[b];
-            const PairProperties& p = materials.pair(a, b);
-            const double young = laws::effectiveYoung(ma.youngsModulus, ma.poissonRatio,
-                                                      mb.youngsModulus, mb.poissonRatio);
-            const double shear = laws::effectiveShear(ma.youngsModulus, ma.poissonRatio,
-                                                      mb.youngsModulus, mb.poissonRatio);
-            laws::Coefficients& c = table_[a*size_ + b];
-            switch (law)
-            {
-                case ContactLaw::linear:
-                    c = laws::linear(p.normalStiffness, p.tangentialRatio, p.restitution);
-                    break;
-                case ContactLaw::hertz:
-                    c = laws::hertz(young, shear, p.restitution);
-                    break;
-                case ContactLaw::springSliderDashpot:
-                    c = laws::springSliderDashpot(young, shear, p.damping, p.exponent);
-                    break;
-            }
-            c.friction = p.friction;
-            c.rolling = p.rollingFriction;
-            c.cohesion = p.cohesion;
-            rolls_ = rolls_ || c.rolling > 0;
-        }
-    }
-}
-
 SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
                                const Walls& walls)
   : settings_(settings), walls_(walls), laws_(settings.law, materials)
@@ -211,6 +177,8 @@ void SoftIntegrator::evaluatePairsWith(StepWeights w, StepReport* report)
         e.slip = velocity_[i] - velocity_[j] - share*cross(surface_[i] + surface_[j], e.normal);
         e.radius = radius_[i]*radius_[j]/sum;
         e.mass = mass_[i]*mass_[j]/(mass_[i] + mass_[j]);
+        const Vector3 past = velocity_[i] - velocity_[j];
+        e.turning = (1/distance)*(past - dot(past, e.normal)*e.normal);
         const ContactForce f =
             contactForce<law>(laws_(material_[i], material_[j]), e, c.history, w);
         const Vector3 total = f.normal*e.normal + f.tangential;

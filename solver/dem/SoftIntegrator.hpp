@@ -1,6 +1,7 @@
 #pragma once
 
 #include "Engine.hpp"
+#include "LawTable.hpp"
 #include "contact.hpp"
 #include "search.hpp"
 
@@ -8,24 +9,6 @@
 
 namespace elutria::dem
 {
-
-/// Contact coefficients of every pair of materials, under one law.
-class LawTable
-{
-public:
-    LawTable(ContactLaw law, const ContactMaterials& materials);
-
-    const laws::Coefficients& operator()(std::uint32_t a, std::uint32_t b) const
-    {
-        return table_[a*size_ + b];
-    }
-    bool rolls() const { return rolls_; }
-
-private:
-    std::size_t size_;
-    std::vector<laws::Coefficients> table_;
-    bool rolls_ = false;
-};
 
 /// Moves spheres in equal sub-steps with the soft contact law.
 ///

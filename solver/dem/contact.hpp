@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Settings.hpp"
+#include "Vector3.hpp"
 #include "laws.hpp"
 
 #include <algorithm>
@@ -26,6 +26,7 @@ struct Encounter
     double overlap;       // m, negative when apart
     Vector3 slip;         // m/s, velocity of first against second where they touch
     double radius, mass;  // effective, m and kg
+    Vector3 turning = {}; // 1/s, rate of change of the normal
 };
 
 /// What lasts from one evaluation to the next.
@@ -43,13 +44,6 @@ struct ContactForce
     Vector3 tangential;
 };
 
-/// The stiffness S of laws.hpp.
-template<ContactLaw law>
-inline double contactStiffness(const laws::Coefficients& c, double radius, double overlap)
-{
-    return law == ContactLaw::linear ? c.stiffness : c.stiffness*std::sqrt(radius*overlap);
-}
-
 /// Dashpot force in the first step of a contact or the step after its last, N. A dashpot's force
 /// sets in with a jump (linear) or a root (Hertz) at a moment inside the step; weighting it by the
 /// part of the step during which it acts keeps second order. See laws::onsetWeight.
@@ -65,67 +59,34 @@ inline double transitionDashpot(const laws::Coefficients& c, const Encounter& e,
     const double sample = hertzian ? std::sqrt(std::sqrt(theta)) : 1;
     const double weight = laws::onsetWeight(theta, hertzian)*h
                           + sample*(onset ? w.after - 0.5*h : -h);
-    const double dashpot =
-        c.damping*std::sqrt(contactStiffness<law>(c, e.radius, travel)*e.mass);
+    const double dashpot = c.damping*std::sqrt(laws::stiffness<law>(c, e.radius, travel)*e.mass);
     return -dashpot*approach*weight/(w.before + w.after);
 }
 
-/// Normal, tangential and cohesive force of one contact; advances its history.
-///
-/// The Coulomb limit uses the elastic part of the normal force: over a whole contact both parts
-/// bring the same impulse, and the elastic part never pulls. In sliding the spring keeps the
-/// stretch that just carries the friction force.
+/// Force of one contact, also in the step in which it begins or ends; advances its history.
 template<ContactLaw law>
 inline ContactForce contactForce(const laws::Coefficients& c, const Encounter& e,
                                  ContactHistory& history, StepWeights w)
 {
-    ContactForce force;
     const double approach = dot(e.slip, e.normal);      // negative while closing
     const bool onset = e.overlap > 0 && !history.touching && w.before > 0 && approach < 0;
     const bool end = e.overlap <= 0 && history.touching && w.before > 0 && approach > 0;
-    if (onset || end) force.normal = transitionDashpot<law>(c, e, approach, w);
+    const double transition = onset || end ? transitionDashpot<law>(c, e, approach, w) : 0;
     if (e.overlap <= 0)
     {
         history = {};
-        return force;
+        return {transition, 0, {}};
     }
-    const double stiffness = contactStiffness<law>(c, e.radius, e.overlap);
-    const double dashpot = std::sqrt(stiffness*e.mass);
-    force.elastic = c.elastic*stiffness*e.overlap;
-    if (law == ContactLaw::springSliderDashpot && c.exponent != 1.5)
-    {
-        force.elastic *= std::pow(e.overlap, c.exponent - 1.5);
-    }
-    if (!onset) force.normal = -c.damping*dashpot*approach;
-    force.normal += force.elastic - laws::cohesionForce(c.cohesion, e.radius, e.overlap);
-
-    const Vector3 sliding = e.slip - approach*e.normal;
-    Vector3 stretch = history.tangential;
-    if (history.touching)
-    {
-        // turn with the contact plane: drop the normal part, keep the length
-        const double along = dot(stretch, e.normal), length2 = squaredNorm(stretch);
-        stretch -= along*e.normal;
-        const double left = length2 - along*along;
-        stretch *= left > 0 ? std::sqrt(length2/left) : 0;
-        stretch += w.before*sliding;
-    }
-    else if (onset)
-    {
-        stretch = std::min(1.0, -e.overlap/(approach*w.step()))*2*w.before*sliding;
-    }
-    const double spring = c.shear*stiffness;
-    force.tangential = -spring*stretch - c.shearDamping*dashpot*sliding;
-    const double limit = c.friction*force.elastic;
-    const double trial2 = squaredNorm(force.tangential);
-    if (trial2 > limit*limit)
-    {
-        force.tangential *= limit/std::sqrt(trial2);
-        stretch = (-1/spring)*force.tangential;
-    }
-    history.tangential = stretch + w.after*sliding;
-    history.touching = true;
-    return force;
+    const double touched = !onset ? 1 : std::min(1.0, -e.overlap/(approach*w.step()));
+    const Vector3 &n = e.normal, &v = e.slip, &t = e.turning, &s = history.tangential;
+    const laws::Touch<double> touch{
+        {n.x, n.y, n.z}, {v.x, v.y, v.z}, {t.x, t.y, t.z}, {s.x, s.y, s.z},
+        e.overlap, e.radius, e.mass, onset ? 2*touched*w.before : w.before, w.after};
+    const laws::Push<double> p = law == ContactLaw::springSliderDashpot && c.exponent != 1.5
+        ? laws::push<law, true>(c, touch) : laws::push<law>(c, touch);
+    history = {{p.stretch.x, p.stretch.y, p.stretch.z}, true};
+    return {onset ? p.normal + p.dashpot*approach + transition : p.normal, p.elastic,
+            {p.tangential.x, p.tangential.y, p.tangential.z}};
 }
 
 } // namespace elutria::dem

@@ -12,25 +12,34 @@
 //   tangential dashpot      g_t = shearDamping*sqrt(S*m)
 // with m the effective mass 1/(1/m_i + 1/m_j). Linear law: S = k_n. Hertz: S = E*a with the contact
 // radius a = sqrt(R*overlap), 1/R = 1/R_i + 1/R_j.
+// Cohesion is a simplified JKR: a pull of cohesion energy density times contact area 4 pi R overlap
+// (the circle in which two spheres intersect, small overlaps).
 
-namespace elutria::dem::laws
+namespace elutria::dem
+{
+
+enum class ContactLaw { linear, hertz, springSliderDashpot };
+
+namespace laws
 {
 
 constexpr double pi = 3.14159265358979323846;
 
 /// Coefficients of a pair of materials in the form above.
-struct Coefficients
+template<class Real>
+struct CoefficientsOf
 {
-    double stiffness = 0;       // k_n, N/m (linear) or E*, Pa (Hertz)
-    double elastic = 1;
-    double damping = 0;
-    double shear = 0;
-    double shearDamping = 0;
-    double friction = 0;
-    double rolling = 0;
-    double cohesion = 0;        // J/m^3
-    double exponent = 1.5;      // of the overlap, spring-slider-dashpot only
+    Real stiffness = 0;       // k_n, N/m (linear) or E*, Pa (Hertz)
+    Real elastic = 1;
+    Real damping = 0;
+    Real shear = 0;
+    Real shearDamping = 0;
+    Real friction = 0;
+    Real cohesion = 0;        // J/m^3
+    Real rolling = 0;
+    Real exponent = Real(1.5);   // of the overlap, spring-slider-dashpot only
 };
+using Coefficients = CoefficientsOf<double>;
 
 /// Damping ratio of a linear oscillator that rebounds with restitution e:
 /// -ln e/sqrt(pi^2 + ln^2 e). Exact for the linear law (contact ends at overlap 0; Schwager and
@@ -125,13 +134,6 @@ inline double linearOverlap(double stiffness, double effectiveMass, double speed
     return speed*std::sqrt(effectiveMass/stiffness);
 }
 
-/// Pull of a simplified JKR contact, N: cohesion energy density times contact area
-/// 2 pi overlap 2 R (R effective; circle in which the two spheres intersect, small overlaps).
-inline double cohesionForce(double cohesion, double effectiveRadius, double overlap)
-{
-    return cohesion*4*pi*effectiveRadius*overlap;
-}
-
 /// Weight of a dashpot force ~ overlap^p in the first step of a contact that touched during the
 /// fraction `theta` of that step, so that the sum over steps keeps second order:
 /// -zeta(-p, 1 + theta) with Hurwitz' zeta function, that is 1/2 + theta for p = 0 (linear);
@@ -144,4 +146,111 @@ inline double onsetWeight(double theta, bool hertzian)
         : 0.5 + theta;
 }
 
-} // namespace elutria::dem::laws
+template<class Real>
+struct Triple
+{
+    Real x, y, z;
+};
+
+/// A contact that touches, at one moment. Velocities are of first against second.
+template<class Real>
+struct Touch
+{
+    Triple<Real> normal;      // unit, from second to first
+    Triple<Real> slip;        // m/s, velocity where they touch
+    Triple<Real> turning;     // 1/s, rate of change of the normal
+    Triple<Real> stretch;     // m, elastic tangential displacement so far
+    Real overlap;             // m
+    Real radius, mass;        // effective, m and kg
+    Real before, after;       // s, half the step before and after this moment
+};
+
+/// Force on first, N, and the tangential displacement carried on.
+template<class Real>
+struct Push
+{
+    Real normal;              // along Touch::normal: elastic, dashpot and cohesion
+    Real elastic, dashpot;    // elastic part, N; dashpot constant, kg/s
+    Triple<Real> tangential;
+    Triple<Real> stretch;
+};
+
+#define ELUTRIA_INLINE __attribute__((always_inline)) inline
+
+ELUTRIA_INLINE float root(float a) { return __builtin_sqrtf(a); }
+ELUTRIA_INLINE double root(double a) { return __builtin_sqrt(a); }
+ELUTRIA_INLINE float power(float a, float b) { return __builtin_powf(a, b); }
+ELUTRIA_INLINE double power(double a, double b) { return __builtin_pow(a, b); }
+
+/// The stiffness S.
+template<ContactLaw law, class Real>
+ELUTRIA_INLINE Real stiffness(const CoefficientsOf<Real>& c, Real radius, Real overlap)
+{
+    return law == ContactLaw::linear ? c.stiffness : c.stiffness*root(radius*overlap);
+}
+
+/// Force of a touching contact.
+///
+/// The stretch follows the contact plane (its normal part goes, its length stays to second order in
+/// the turn) and grows with the sliding velocity over the half steps on both sides. Coulomb's
+/// limit uses the elastic part of the normal force: over a whole contact both parts bring the same
+/// impulse, and the elastic part never pulls. The spring carries at most that limit, the dashpot
+/// what the spring leaves of it. Spring-slider-dashpot, as stock OpenFOAM has it, limits by the whole
+/// normal force, slides along the velocity and starts again from an unstretched spring.
+template<ContactLaw law, bool otherExponent = false, class Real>
+ELUTRIA_INLINE Push<Real> push(const CoefficientsOf<Real>& c, const Touch<Real>& t)
+{
+    Push<Real> p;
+    const Triple<Real> n = t.normal, v = t.slip;
+    const Real approach = v.x*n.x + v.y*n.y + v.z*n.z;      // negative while closing
+    const Triple<Real> slide = {v.x - approach*n.x, v.y - approach*n.y, v.z - approach*n.z};
+    const Real s = stiffness<law>(c, t.radius, t.overlap), damped = root(s*t.mass);
+    p.elastic = c.elastic*s*t.overlap;
+    if (otherExponent) p.elastic *= power(t.overlap, c.exponent - Real(1.5));
+    p.dashpot = c.damping*damped;
+    p.normal = p.elastic - p.dashpot*approach
+               - c.cohesion*Real(4*pi)*t.radius*t.overlap;
+
+    const Real along = t.stretch.x*n.x + t.stretch.y*n.y + t.stretch.z*n.z;
+    const Triple<Real> stretch = {
+        t.stretch.x - along*(n.x - t.before*t.turning.x) + t.before*slide.x,
+        t.stretch.y - along*(n.y - t.before*t.turning.y) + t.before*slide.y,
+        t.stretch.z - along*(n.z - t.before*t.turning.z) + t.before*slide.z};
+    const Real spring = c.shear*s, dashpot = c.shearDamping*damped;
+    if (law == ContactLaw::springSliderDashpot)
+    {
+        const Real total = p.normal < 0 ? -p.normal : p.normal, limit = c.friction*total;
+        const Real length2 = stretch.x*stretch.x + stretch.y*stretch.y + stretch.z*stretch.z;
+        const Real speed2 = slide.x*slide.x + slide.y*slide.y + slide.z*slide.z;
+        const bool slips = spring*spring*length2 > limit*limit;
+        const Real drag = slips ? limit/root(speed2 > 0 ? speed2 : Real(1)) : dashpot;
+        const Real held = slips ? Real(0) : Real(1), pull = slips ? Real(0) : spring;
+        p.tangential = {-pull*stretch.x - drag*slide.x, -pull*stretch.y - drag*slide.y,
+                        -pull*stretch.z - drag*slide.z};
+        p.stretch = {held*stretch.x + t.after*slide.x, held*stretch.y + t.after*slide.y,
+                     held*stretch.z + t.after*slide.z};
+    }
+    else
+    {
+        const Triple<Real> f = {-spring*stretch.x - dashpot*slide.x,
+                                -spring*stretch.y - dashpot*slide.y,
+                                -spring*stretch.z - dashpot*slide.z};
+        const Real limit = c.friction*p.elastic, trial2 = f.x*f.x + f.y*f.y + f.z*f.z;
+        const bool slips = trial2 > limit*limit;
+        const Real scale = slips ? limit/root(trial2 > 0 ? trial2 : Real(1)) : Real(1);
+        const Real back = -1/(spring > 0 ? spring : Real(1));
+        p.tangential = {scale*f.x, scale*f.y, scale*f.z};
+        // The spring gives way only beyond the limit: were it set to carry what the dashpot adds,
+        // it would give back energy that it never took.
+        const Real length2 = stretch.x*stretch.x + stretch.y*stretch.y + stretch.z*stretch.z;
+        const Real most = limit*(-back);
+        const Real keep = length2 > most*most ? most/root(length2) : Real(1);
+        p.stretch = {keep*stretch.x + t.after*slide.x,
+                     keep*stretch.y + t.after*slide.y,
+                     keep*stretch.z + t.after*slide.z};
+    }
+    return p;
+}
+
+} // namespace laws
+} // namespace elutria::dem

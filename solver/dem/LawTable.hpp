@@ -1,0 +1,31 @@
+#pragma once
+
+#include "Settings.hpp"
+#include "laws.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// Contact coefficients of every pair of materials, under one law.
+class LawTable
+{
+public:
+    LawTable(ContactLaw law, const ContactMaterials& materials);
+
+    const laws::Coefficients& operator()(std::uint32_t a, std::uint32_t b) const
+    {
+        return table_[a*size_ + b];
+    }
+    std::size_t size() const { return size_; }
+    bool rolls() const { return rolls_; }
+    bool otherExponent() const { return otherExponent_; }
+
+private:
+    std::size_t size_;
+    std::vector<laws::Coefficients> table_;
+    bool rolls_ = false, otherExponent_ = false;
+};
+
+} // namespace elutria::dem
