@@ -1,0 +1,95 @@
+"""What holds for the repository's files: the solver's layers, no path or host of one machine."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = {".C", ".H", ".cpp", ".hpp", ".inl"}
+
+
+def includes(folder: Path) -> list[tuple[Path, str, str]]:
+    """(file, kind of quote, name) of every #include below a folder, make's links left out."""
+    found = []
+    for file in sorted(folder.rglob("*")):
+        if file.suffix in SOURCES and not file.is_symlink():
+            pattern = r'^\s*#\s*include\s*([<"])([^>"]+)[>"]'
+            found += [(file, *m) for m in re.findall(pattern, file.read_text(), re.M)]
+    return found
+
+
+def tracked_files() -> list[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if listed.returncode != 0:
+        pytest.skip("not a git clone")
+    files = [ROOT / name for name in listed.stdout.split("\0") if name]
+    return [file for file in files if file.is_file() and not file.is_symlink()]
+
+
+def test_the_engine_includes_its_own_files_and_standard_headers_only() -> None:
+    dem = ROOT / "solver/dem"
+    own = {file.name for file in dem.rglob("*") if file.suffix in SOURCES}
+    found = includes(dem)
+    assert found
+    allowed = {"omp.h", "doctest/doctest.h"}
+    strangers = [
+        f"{file.relative_to(ROOT)}: {name}"
+        for file, quote, name in found
+        if not (Path(name).name in own if quote == '"' else name in allowed or name.isidentifier())
+    ]
+    assert strangers == []
+
+
+def test_the_coupling_includes_nothing_of_the_application() -> None:
+    above = {file.name for file in (ROOT / "solver/app").rglob("*.H")}
+    coupling = ROOT / "solver/coupling"
+    own = {file.name for file in coupling.rglob("*.H")}
+    strangers = [
+        f"{file.relative_to(ROOT)}: {name}"
+        for file, _, name in includes(coupling)
+        if Path(name).name in above - own or "app/" in name
+    ]
+    assert strangers == []
+
+
+def test_no_tracked_file_holds_a_path_of_this_machine() -> None:
+    marks = [f"{place}/".encode() for place in {ROOT, Path.home()} - {Path("/")}]
+    holding = [
+        file.relative_to(ROOT)
+        for file in tracked_files()
+        if any(mark in file.read_bytes() for mark in marks)
+    ]
+    assert holding == []
+
+
+def test_the_set_up_names_no_host() -> None:
+    files = [ROOT / name for name in ("Allrun", "Alltest", "tools/requirements.lock")]
+    files += [file for file in (ROOT / "etc").rglob("*") if file.is_file()]
+    naming = [file.relative_to(ROOT) for file in files if "://" in file.read_text()]
+    assert naming == []
+
+
+def test_scripts_can_be_started_and_bash_understands_them() -> None:
+    for name in (
+        "Allrun",
+        "Alltest",
+        ".ci/run",
+        "solver/Allwmake",
+        "solver/Allwclean",
+        "etc/setup/setup",
+        "etc/setup/packages",
+        "etc/setup/headers",
+        "etc/setup/python",
+        "etc/setup/solver",
+    ):
+        assert os.access(ROOT / name, os.X_OK), name
+    for file in [*(ROOT / "etc").rglob("*"), *ROOT.glob("All*"), *(ROOT / "solver").glob("All*")]:
+        if file.is_file():
+            subprocess.run(["bash", "-n", str(file)], check=True)
