@@ -1,8 +1,15 @@
-"""What all tests share: the `slow` marker and its option."""
+"""What all tests share: the `slow` marker and its option, a small case, a stand-in solver."""
 
 from __future__ import annotations
 
+import shutil
+import sys
+from pathlib import Path
+
 import pytest
+
+HERE = Path(__file__).resolve().parent
+COLUMN = HERE.parent / "cases/column"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -25,3 +32,31 @@ def pytest_collection_modifyitems(
     for item in items:
         if "slow" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
+
+
+@pytest.fixture
+def column(tmp_path: Path) -> Path:
+    """A copy of the default case, to be changed at will."""
+    case = tmp_path / "column"
+    for folder in ("0.orig", "constant", "system"):
+        shutil.copytree(COLUMN / folder, case / folder)
+    shutil.rmtree(case / "constant/polyMesh", ignore_errors=True)
+    return case
+
+
+@pytest.fixture
+def fake_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """elutriaFoam and blockMesh that only pretend, first on PATH; gives the file of their starts"""
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    source = (HERE / "tools_support/fake_solver.py").read_text()
+    solver = programs / "elutriaFoam"
+    solver.write_text(f"#!{sys.executable}\n{source}")
+    mesher = programs / "blockMesh"
+    mesher.write_text("#!/bin/sh\necho End\n")
+    for program in (solver, mesher):
+        program.chmod(0o755)
+    starts = tmp_path / "starts"
+    monkeypatch.setenv("FAKE_STARTS", str(starts))
+    monkeypatch.setenv("PATH", str(programs), prepend=":")
+    return starts

@@ -25,6 +25,15 @@ def parameter(name: str) -> float:
     return float(re.search(rf"^{name}\s+([^;]+);", text, re.M)[1])
 
 
+def draw_size(draw: random.Random) -> float:
+    """From the column's feed: Rosin-Rammler by mass, drawn by number (rejection by 1/d^3)."""
+    low, high = (1 - math.exp(-((d / 900e-6) ** 3)) for d in (300e-6, 2000e-6))
+    while True:
+        diameter = 900e-6 * (-math.log(1 - draw.uniform(low, high))) ** (1 / 3)
+        if draw.random() < (300e-6 / diameter) ** 3:
+            return diameter
+
+
 def main() -> int:
     velocity, count, seed = (
         parameter("gasVelocity"),
@@ -32,16 +41,17 @@ def main() -> int:
         parameter("seed"),
     )
     if "FAKE_STARTS" in os.environ:
-        with open(os.environ["FAKE_STARTS"], "a") as file:
+        with Path(os.environ["FAKE_STARTS"]).open("a") as file:
             file.write(f"{velocity:g} {seed:g}\n")
     draw = random.Random(seed)
     rows, inside = [], []
     for number in range(count):
-        diameter = math.exp(draw.uniform(math.log(300e-6), math.log(2000e-6)))
+        diameter = draw_size(draw)
         share = 1 / (1 + (diameter / (velocity * 100e-6)) ** -8)
         outlet = "coarse" if draw.random() < share else "fines"
         kept = number % 200 == 199
-        row = f"{0.001 * number:g},{'inside' if kept else outlet},quartz,{number},{diameter!r},2650,1,0,0,1,0.3\n"
+        place = "inside" if kept else outlet
+        row = f"{0.001 * number:g},{place},quartz,{number},{diameter!r},2650,1,0,0,1,0.3\n"
         (inside if kept else rows).append((row, outlet, diameter))
     for part in range(1, 5):
         time.sleep(float(os.environ.get("FAKE_SLEEP", "0")) / 4)

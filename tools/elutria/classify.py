@@ -63,7 +63,7 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
     limits = None
     if len(run.events):
         diameters = run.events.diameter
-        limits = class_limits(float(diameters.min()), float(diameters.max()), fits["all"].d50)
+        limits = class_limits(float(diameters.min()), float(diameters.max()))
     for name in [*names, "all"]:
         events = run.events.of_material(name)
         table = partition_table(events, limits) if limits is not None else []

@@ -40,12 +40,9 @@ ProcessorsOption = Annotated[
 ]
 
 
-@app.callback()
-def options(
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")] = False,
-) -> None:
-    """Options of all commands."""
-    state["debug"] = state["debug"] or debug
+@app.callback(epilog="Any command takes --debug: show the traceback of an error.")
+def options() -> None:
+    """Air classification computed with gas and particles, from feed to partition curve."""
 
 
 @app.command(epilog="Example: elutria check cases/column")
@@ -304,13 +301,12 @@ class _SweepDisplay:
         self.display.update("all", sum(self.shares.values()) / self.runs)
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """Entry point: one line and exit code 1 or 2 for what goes wrong."""
-    if "--debug" in sys.argv:  # wherever it stands
-        sys.argv.remove("--debug")
-        state["debug"] = True
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    state["debug"] = "--debug" in arguments  # wherever it stands
     try:
-        app(standalone_mode=False)
+        app([word for word in arguments if word != "--debug"], standalone_mode=False)
     except ElutriaError as error:
         _fail(str(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):

@@ -16,81 +16,94 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit
+from scipy.special import expit, wrightomega
 
 Array = NDArray[np.float64]
+Logit = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
 class Model:
-    """A curve's logit as function of ln x and ln s, its inverse, and a start and bounds for ln s.
+    """A curve by its logit l = ln(T/(1 - T)), which keeps its precision where T is near 0 or 1.
 
-    The logit ln(T/(1 - T)) keeps its precision where T is near 0 or 1. `spread` is the shape ln s
-    whose d75/d25 is about e^w for a given w: where a fit starts.
+    `logit(y, a)` gives l and its derivatives by y = ln x and by a = ln s; `log_x(l, a)` inverts it;
+    `slope` is about dl/dy at the cut over s, from which a fit starts.
     """
 
     name: str
-    logit: Callable[[Array, float], Array]
-    start: Callable[[float], float]
-    bounds: tuple[float, float]
+    logit: Callable[[Array, float], Logit]
+    log_x: Callable[[float, float], float]
+    slope: float
+    bounds: tuple[float, float] = (-6.0, 9.0)
 
     def share(self, x: Array, log_shape: float) -> Array:
         """T at x = d/d50."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(expit(self.logit(np.log(x), log_shape)))
+        return np.asarray(expit(self.logit(np.log(x), log_shape)[0]))
 
     def log_x_at(self, share: float, log_shape: float) -> float:
-        """ln x where T is `share`; the logit rises with x, so it is found by bisection."""
-        target = np.log(share / (1 - share))
-        low, high = -1.0, 1.0
-        while self._at(low, log_shape) > target and low > -60:
-            low *= 2
-        while self._at(high, log_shape) < target and high < 60:
-            high *= 2
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if self._at(middle, log_shape) < target:
-                low = middle
-            else:
-                high = middle
-        return 0.5 * (low + high)
+        """ln x where T is `share`."""
+        return self.log_x(float(np.log(share / (1 - share))), log_shape)
 
-    def _at(self, log_x: float, log_shape: float) -> float:
-        return float(self.logit(np.array([log_x]), log_shape)[0])
+    def start(self, spread: float) -> float:
+        """ln s of a curve that rises over about `spread` in ln d."""
+        return float(np.clip(np.log(2.2 / (self.slope * spread)), *self.bounds))
 
 
-def _log_logistic(log_x: Array, log_shape: float) -> Array:
-    return np.exp(log_shape) * log_x
+def _log_logistic(y: Array, a: float) -> Logit:
+    s = np.exp(a)
+    return s * y, np.full_like(y, s), s * y
 
 
-def _rosin_rammler(log_x: Array, log_shape: float) -> Array:
-    # T/(1-T) = exp(h) - 1 with h = ln2 x^s
-    h = np.log(2) * np.exp(np.clip(np.exp(log_shape) * log_x, -700, 700))
-    return _log_of_exp_minus_one(h)
+def _rosin_rammler(y: Array, a: float) -> Logit:
+    # T/(1 - T) = e^h - 1 with h = ln2 x^s
+    s = np.exp(a)
+    h = np.log(2) * _exp(s * y)
+    rise = h / -np.expm1(-h)
+    return _log_expm1(h), s * rise, s * y * rise
 
 
-def _whiten(log_x: Array, log_shape: float) -> Array:
-    # T/(1-T) = (e^(sx) - 1)/(e^s - 1)
-    s = np.exp(log_shape)
-    x = np.exp(np.clip(log_x, -700, 50))
-    return _log_of_exp_minus_one(s * x) - _log_of_exp_minus_one(np.asarray(s))
+def _whiten(y: Array, a: float) -> Logit:
+    # T/(1 - T) = (e^(s x) - 1)/(e^s - 1)
+    s = np.exp(a)
+    h = s * _exp(y)
+    rise = h / -np.expm1(-h)
+    return _log_expm1(h) - _log_expm1(s), rise, rise - s / -np.expm1(-s)
 
 
-def _molerus_hoffmann(log_x: Array, log_shape: float) -> Array:
-    # T/(1-T) = x^2 exp(s (x^2 - 1))
-    x_squared = np.exp(np.clip(2 * log_x, -700, 100))
-    return 2 * log_x + np.exp(log_shape) * (x_squared - 1)
+def _molerus_hoffmann(y: Array, a: float) -> Logit:
+    # T/(1 - T) = x^2 e^(s (x^2 - 1))
+    s, x2 = np.exp(a), _exp(2 * y)
+    return 2 * y + s * (x2 - 1), 2 + 2 * s * x2, s * (x2 - 1)
 
 
-def _log_of_exp_minus_one(h: Array) -> Array:
-    small = np.minimum(h, 30.0)
-    return np.where(h > 30.0, h, np.log(np.expm1(np.maximum(small, 1e-300))))
+def _exp(value: Array) -> Array:
+    return np.asarray(np.exp(np.clip(value, -200, 100)))
+
+
+def _log_expm1(h: Array) -> Array:
+    """ln(e^h - 1) without overflow."""
+    return np.asarray(h + np.log(-np.expm1(-h)))
 
 
 MODELS = (
-    # 2 ln3/w, and so on: from each curve's slope d(logit)/d(ln x) at the cut
-    Model("log-logistic", _log_logistic, lambda w: np.log(2.2 / w), (-3.0, 9.0)),
-    Model("Rosin-Rammler", _rosin_rammler, lambda w: np.log(1.57 / w), (-3.0, 9.0)),
-    Model("Whiten", _whiten, lambda w: np.log(2.2 / w), (-3.0, 9.0)),
-    Model("Molerus-Hoffmann", _molerus_hoffmann, lambda w: np.log(1.1 / w), (-9.0, 9.0)),
+    Model("log-logistic", _log_logistic, lambda t, a: t / np.exp(a), 1.0),
+    Model(
+        "Rosin-Rammler",
+        _rosin_rammler,
+        lambda t, a: np.log(np.logaddexp(0, t) / np.log(2)) / np.exp(a),
+        1.4,
+    ),
+    Model(
+        "Whiten",
+        _whiten,
+        lambda t, a: np.log(np.logaddexp(0, t + _log_expm1(np.exp(a)))) - a,
+        1.2,
+    ),
+    # x^2 s + ln(x^2 s) = l + s + ln s
+    Model(
+        "Molerus-Hoffmann",
+        _molerus_hoffmann,
+        lambda t, a: (np.log(wrightomega(t + np.exp(a) + a)) - a) / 2,
+        2.0,
+    ),
 )

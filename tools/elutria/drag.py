@@ -54,7 +54,10 @@ def haider_levenspiel(reynolds: float, sphericity: float = 1.0) -> float:
 
 
 def ganser(reynolds: float, sphericity: float = 1.0) -> float:
-    """Stokes' and Newton's shape factors from the sphericity, isometric particles. Ganser 1993."""
+    """Stokes' and Newton's shape factors from the sphericity, isometric particles. Ganser 1993.
+
+    With the published coefficients a sphere has up to 27 % less drag than Clift's curve (Re 100).
+    """
     stokes = 3 / (1 + 2 / sphericity**0.5)
     newton = 10 ** (1.8148 * (-log10(sphericity)) ** 0.5743)
     shaped = reynolds * stokes * newton

@@ -14,11 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, inf, isfinite, log, nan, sqrt
+from math import exp, inf, isfinite, log, log1p, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 from scipy.stats import chi2
 
@@ -146,7 +145,7 @@ def fit_partition(
         if not diameter.min() <= value <= diameter.max():
             sizes[level] = (nan, nan, nan)
         elif intervals:
-            sizes[level] = (value, *_profile_interval(likelihood, best, level))
+            sizes[level] = (value, *_interval(likelihood, ranked, level))
         else:
             sizes[level] = (value, nan, nan)
     return PartitionFit(ranked, sizes)
@@ -164,31 +163,108 @@ def relative_weights(diameter: Array, weight: Array | None) -> Array:
 
 
 class _Likelihood:
-    """-ln L of events against (ln d at T' = 1/2, ln s, bypass)."""
+    """ln L of events, its gradient and Fisher information, against p = (ln d, ln s, bypass).
+
+    ln d is that of the cut without bypass, or of a `level` of the whole curve.
+    """
 
     def __init__(self, log_diameter: Array, coarse: Flags, weight: Array):
         self.log_diameter = log_diameter
         self.coarse = coarse
         self.weight = weight
-        self.coarse_weight = np.where(coarse, weight, 0.0)
 
-    def negative(self, model: Model, center: float, log_shape: float, bypass: float) -> float:
-        logit = model.logit(self.log_diameter - center, log_shape)
-        if bypass <= 0:
-            # ln T = -ln(1 + e^-l) and ln(1 - T) = ln T - l
-            log_fines = log_expit(-logit)
-            value = self.weight @ log_fines + self.coarse_weight @ np.clip(logit, -1e6, 1e6)
-            return -float(value)
-        log_fines = log_expit(-logit) + np.log1p(-bypass)
+    def value(self, model: Model, p: Array, level: float | None = None) -> float:
+        """ln L."""
+        logit = model.logit(self.log_diameter - _center(model, p, level)[0], p[1])[0]
+        return float(self.weight @ self._log_chance(logit, p[2]))
+
+    def _log_chance(self, logit: Array, bypass: float) -> Array:
+        if bypass == 0:
+            return np.asarray(log_expit(np.where(self.coarse, logit, -logit)))
         log_coarse = np.log(bypass + (1 - bypass) * expit(logit))
-        return -float(self.weight @ np.where(self.coarse, log_coarse, log_fines))
+        return np.where(self.coarse, log_coarse, log_expit(-logit) + log1p(-bypass))
+
+    def derivatives(
+        self, model: Model, p: Array, level: float | None = None
+    ) -> tuple[float, Array, Array]:
+        """ln L, its gradient (3) and the expected information (3 x 3)."""
+        center, by_shape, by_bypass = _center(model, p, level)
+        logit, along, shape = model.logit(self.log_diameter - center, p[1])
+        bypass = p[2]
+        inner = expit(logit)
+        share = bypass + (1 - bypass) * inner
+        # dT/dp over T (1 - T), columns p; 1 - T = (1 - bypass)(1 - inner)
+        steep = inner / np.maximum(share, 1e-300)
+        columns = np.stack(
+            [
+                -steep * along,
+                steep * (shape - along * by_shape),
+                1 / (np.maximum(share, 1e-12) * (1 - bypass)) - steep * along * by_bypass,
+            ]
+        )
+        gradient = columns @ (self.weight * (self.coarse - share))
+        information = (columns * (self.weight * share * (1 - share))) @ columns.T
+        return float(self.weight @ self._log_chance(logit, bypass)), gradient, information
+
+
+def _center(model: Model, p: Array, level: float | None) -> tuple[float, float, float]:
+    """ln d of the cut without bypass, and its derivatives by ln s and by the bypass."""
+    if level is None:
+        return float(p[0]), 0.0, 0.0
+    bypass = float(p[2])
+    inner = (level - bypass) / (1 - bypass)
+    y = model.log_x_at(inner, float(p[1]))
+    _, along, shape = (float(v[0]) for v in model.logit(np.array([y]), float(p[1])))
+    by_bypass = (1 - level) / (1 - bypass) ** 2 / (inner * (1 - inner)) / along
+    return float(p[0]) - y, shape / along, by_bypass
+
+
+def _maximize(
+    likelihood: _Likelihood,
+    model: Model,
+    start: Array,
+    free: list[int],
+    upper_bypass: float,
+    level: float | None = None,
+    tolerance: float = 1e-7,
+) -> tuple[Array, float]:
+    """Fisher scoring with Levenberg's damping over the `free` parameters, within their bounds.
+
+    Ends when a step can gain less than `tolerance` in ln L.
+    """
+    low = np.array([likelihood.log_diameter.min() - 3, model.bounds[0], 0.0])
+    high = np.array([likelihood.log_diameter.max() + 3, model.bounds[1], upper_bypass])
+    p, damping = np.clip(start, low, high), 1e-6
+    value, gradient, information = likelihood.derivatives(model, p, level)
+    for _ in range(100):
+        stuck = ((p <= low) & (gradient < 0)) | ((p >= high) & (gradient > 0))
+        moving = [k for k in free if not stuck[k]]
+        if not moving:
+            break
+        matrix = information[np.ix_(moving, moving)]
+        scale = np.diag(matrix) + 1e-12
+        step = np.zeros(3)
+        step[moving] = np.linalg.solve(matrix + np.diag(damping * scale), gradient[moving])
+        if gradient @ step < 2 * tolerance:
+            break
+        step[1] = np.clip(step[1], -1.0, 1.0)
+        trial = np.clip(p + step, low, high)
+        better = likelihood.derivatives(model, trial, level)
+        if better[0] >= value:
+            p, (value, gradient, information) = trial, better
+            damping = max(damping / 10, 1e-9)
+        elif damping > 1e6:
+            break
+        else:
+            damping = max(damping * 10, 1e-3)
+    return p, value
 
 
 def _start(likelihood: _Likelihood) -> tuple[float, float]:
     """ln d that parts coarse from fines with the least misplaced weight, and their spread."""
     order = np.argsort(likelihood.log_diameter)
     log_d = likelihood.log_diameter[order]
-    coarse = likelihood.coarse_weight[order]
+    coarse = np.where(likelihood.coarse, likelihood.weight, 0.0)[order]
     fines = likelihood.weight[order] - coarse
     misplaced = np.cumsum(coarse) + fines.sum() - np.cumsum(fines)
     center = float(log_d[np.argmin(misplaced)])
@@ -202,74 +278,63 @@ def _fit(
     likelihood: _Likelihood, model: Model, with_bypass: bool, start: tuple[float, float]
 ) -> CurveFit:
     center, spread = start
-    shape = float(np.clip(model.start(spread), *model.bounds))
-    bypass = [0.02] if with_bypass else []
-
-    # ln d in units of the spread, so that all parameters are of order one
-    def objective(p: Array) -> float:
-        return likelihood.negative(
-            model, center + spread * p[0], p[1], float(p[2]) if with_bypass else 0.0
-        )
-
-    found, value = _minimize(
-        objective,
-        np.array([0.0, shape, *bypass]),
-        [(-inf, inf), model.bounds, *([(0.0, _MAX_BYPASS)] if with_bypass else [])],
-    )
-    return CurveFit(
-        model,
-        center + spread * float(found[0]),
-        float(found[1]),
-        float(found[2]) if with_bypass else 0.0,
-        -value,
-        2 + with_bypass,
-    )
+    begin = np.array([center, model.start(spread), 0.02 if with_bypass else 0.0])
+    free = [0, 1, 2] if with_bypass else [0, 1]
+    p, value = _maximize(likelihood, model, begin, free, _MAX_BYPASS)
+    return CurveFit(model, float(p[0]), float(p[1]), float(p[2]), value, len(free))
 
 
-def _minimize(
-    objective: Callable[[Array], float], start: Array, bounds: list[tuple[float, float]]
-) -> tuple[Array, float]:
-    limits = [tuple(None if not isfinite(b) else b for b in pair) for pair in bounds]
-    result = minimize(
-        objective, start, method="L-BFGS-B", bounds=limits, options={"ftol": 1e-13, "gtol": 1e-6}
-    )
-    return result.x, float(result.fun)
+def _interval(likelihood: _Likelihood, ranked: list[CurveFit], level: float) -> tuple[float, float]:
+    """The 95 % interval of the diameter at `level`, the model being one more nuisance parameter.
+
+    A diameter is in it when some model, its other parameters at their best, comes within the
+    likelihood-ratio threshold of the best fit, AIC's price of its parameters included.
+    """
+    ends = []
+    for fit in ranked:
+        slack = _THRESHOLD - (fit.aic - ranked[0].aic)
+        if slack > 0 and isfinite(fit.diameter_at(level)):
+            ends += _profile_interval(likelihood, fit, level, slack)
+    return float(np.min(ends)), float(np.max(ends))
 
 
-def _profile_interval(likelihood: _Likelihood, fit: CurveFit, level: float) -> tuple[float, float]:
-    """The 95 % interval of the diameter at `level`: where 2 (ln L max - ln L) is below chi2."""
+def _profile_interval(
+    likelihood: _Likelihood, fit: CurveFit, level: float, slack: float
+) -> tuple[float, float]:
+    """Diameters at `level` that cost the fit less than `slack` in 2 ln L."""
     model = fit.model
     assert model is not None
     best = log(fit.diameter_at(level))
-    nuisance = np.array([fit.log_shape, fit.bypass][: fit.parameters - 1])
-    bounds = [model.bounds, (0.0, min(_MAX_BYPASS, level - 1e-3))][: fit.parameters - 1]
+    free = [1, 2][: fit.parameters - 1]
 
     def lack(log_d: float, start: Array) -> tuple[float, Array]:
         """2 (ln L max - ln L) at the given ln d, the other parameters at their best."""
+        begin = np.array([log_d, start[1], start[2]])
+        highest = min(_MAX_BYPASS, level - 1e-3)
+        p, value = _maximize(likelihood, model, begin, free, highest, level, tolerance=1e-3)
+        return 2 * (fit.log_likelihood - value), p
 
-        def objective(p: Array) -> float:
-            bypass = float(p[1]) if fit.parameters == 3 else 0.0
-            inner = (level - bypass) / (1 - bypass)
-            center = log_d - model.log_x_at(inner, float(p[0]))
-            return likelihood.negative(model, center, float(p[0]), bypass)
-
-        found, value = _minimize(objective, start, bounds)
-        return 2 * (value + fit.log_likelihood), found
-
-    low = _crossing(lambda t, p: lack(best - t, p), nuisance)
-    high = _crossing(lambda t, p: lack(best + t, p), nuisance)
+    nuisance = np.array([best, fit.log_shape, fit.bypass])
+    low = _crossing(lambda t, p: lack(best - t, p), nuisance, slack)
+    guess = low if isfinite(low) else 0.01
+    high = _crossing(lambda t, p: lack(best + t, p), nuisance, slack, guess)
     return exp(best - low) if isfinite(low) else nan, exp(best + high) if isfinite(high) else nan
 
 
-def _crossing(lack: Callable[[float, Array], tuple[float, Array]], start: Array) -> float:
-    """Distance at which `lack` reaches the threshold; the root of sqrt(lack) is nearly linear."""
+def _crossing(
+    lack: Callable[[float, Array], tuple[float, Array]],
+    start: Array,
+    slack: float,
+    guess: float = 0.01,
+) -> float:
+    """Distance at which `lack` reaches `slack`; its square root is nearly linear."""
     near, near_root, nuisance = 0.0, 0.0, start
-    target = sqrt(_THRESHOLD)
-    far = 0.01
+    target = sqrt(slack)
+    far = guess
     for _ in range(40):
         value, found = lack(far, nuisance)
         root = sqrt(max(value, 0.0))
-        if abs(root - target) < 2e-3:
+        if abs(root - target) < 0.01:
             return far
         if root > target:
             break
@@ -284,7 +349,7 @@ def _crossing(lack: Callable[[float, Array], tuple[float, Array]], start: Array)
         middle = near + (far - near) * (target - near_root) / (far_root - near_root)
         value, found = lack(middle, nuisance)
         root = sqrt(max(value, 0.0))
-        if abs(root - target) < 2e-3:
+        if abs(root - target) < 0.01:
             return middle
         if root > target:
             far, far_root = middle, root

@@ -13,15 +13,15 @@ from elutria.events import Events
 
 Array = NDArray[np.float64]
 
-# Renard series of ISO 3, the nominal apertures of ISO 565 sieves
-R10 = (1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0)
+# Renard series of ISO 3, the nominal apertures of ISO 565 sieves: 20 per decade
 R20 = (1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55,
        4.0, 4.5, 5.0, 5.6, 6.3, 7.1, 8.0, 9.0)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class SizeClass:
-    """One class. Diameters in m (`diameter`: geometric mean of its limits), masses in kg.
+    """One class. Diameters in m, masses in kg. `diameter` is the mass-weighted geometric mean of
+    what is in the class, since a class at the feed's end is not filled evenly.
 
     `share` is the mass share to coarse of what has left, nan when nothing has.
     """
@@ -42,14 +42,10 @@ class SizeClass:
         return self.fines + self.coarse + self.inside
 
 
-def class_limits(smallest: float, largest: float, cut: float = nan) -> Array:
-    """Limits (m) that cover the sizes: R10 steps, R20 within a factor 2 of the cut size."""
+def class_limits(smallest: float, largest: float) -> Array:
+    """Limits (m) that cover the sizes: the same grid for all velocities and materials."""
     decades = range(int(np.floor(np.log10(smallest))) - 1, int(np.ceil(np.log10(largest))) + 1)
-    limits = {float(f"{x}e{k}") for k in decades for x in R10}
-    if np.isfinite(cut):
-        fine = {float(f"{x}e{k}") for k in decades for x in R20}
-        limits |= {x for x in fine if cut / 2 <= x <= cut * 2}
-    rising = np.array(sorted(limits))
+    rising = np.array([float(f"{x}e{k}") for k in decades for x in R20])
     first = np.searchsorted(rising, smallest, side="right") - 1
     last = np.searchsorted(rising, largest, side="left")
     if last == first:  # a single size that is a limit itself
@@ -75,7 +71,7 @@ def partition_table(events: Events, limits: Array) -> list[SizeClass]:
             SizeClass(
                 low=float(limits[k]),
                 high=float(limits[k + 1]),
-                diameter=sqrt(limits[k] * limits[k + 1]),
+                diameter=_mean_diameter(events.diameter[here], mass[here]),
                 fines=total - heavy,
                 coarse=heavy,
                 inside=float(mass[here & ~events.has_left].sum()),
@@ -85,6 +81,10 @@ def partition_table(events: Events, limits: Array) -> list[SizeClass]:
             )
         )
     return classes
+
+
+def _mean_diameter(diameter: Array, mass: Array) -> float:
+    return float(np.exp(np.average(np.log(diameter), weights=mass)))
 
 
 def wilson(share: float, number: float, confidence: float = 0.95) -> tuple[float, float]:

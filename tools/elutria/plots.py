@@ -97,7 +97,10 @@ def size_axis(axes: Axes, low: float, high: float) -> None:
 
 
 def partition_figure(partition: list[Row], fits: list[Row]) -> Figure:
-    """T(d) of all velocities: classes with 95 % bands, fitted curves; one panel per material."""
+    """T(d) of all velocities: classes with 95 % bands, fitted curves; one panel per material.
+
+    Classes of which next to nothing is known are left out; partition.csv has them.
+    """
     materials = _materials(partition)
     velocities = _velocities(partition)
     colours = velocity_colours(velocities)
@@ -106,7 +109,7 @@ def partition_figure(partition: list[Row], fits: list[Row]) -> Figure:
     fine = np.geomspace(low, high, 400) * 1e-6
     for axes, material in zip(panels, materials, strict=True):
         for velocity in velocities:
-            rows = _select(partition, velocity, material)
+            rows = [r for r in _select(partition, velocity, material) if _is_known(r)]
             if not rows:
                 continue
             size = _column(rows, "diameter_m") * 1e6
@@ -117,11 +120,11 @@ def partition_figure(partition: list[Row], fits: list[Row]) -> Figure:
             )  # fmt: skip
             axes.plot(
                 size, _column(rows, "partition_to_coarse"), "o", ms=2.2, mew=0, color=colour,
-                label=f"{velocity:g} m/s",
             )  # fmt: skip
+            axes.plot([], [], "o-", ms=2.2, mew=0, color=colour, label=f"{velocity:g} m/s")
             best = next((r for r in _select(fits, velocity, material) if r["rank"] == 1), None)
             if best is not None:
-                seen = (fine >= rows[0]["diameter_low_m"]) & (fine <= rows[-1]["diameter_high_m"])
+                seen = (fine >= rows[0]["diameter_m"]) & (fine <= rows[-1]["diameter_m"])
                 axes.plot(fine[seen] * 1e6, curve_of(best).share(fine[seen]), color=colour)
         axes.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
         axes.set_ylim(-0.02, 1.02)
@@ -132,6 +135,11 @@ def partition_figure(partition: list[Row], fits: list[Row]) -> Figure:
     panels[-1].set_xlabel("particle diameter  $d$  (µm)")
     _legend_above(figure, panels[0])
     return figure
+
+
+def _is_known(row: Row) -> bool:
+    """Whether enough has left in a class to be drawn: its interval is narrower than 0.5."""
+    return bool(row["ci_high"] - row["ci_low"] < 0.5)
 
 
 def curve_of(row: Row) -> CurveFit:
@@ -226,7 +234,7 @@ def _outline(
 def _legend_above(figure: Figure, axes: Axes) -> None:
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=min(4, len(labels)),
+        handles, labels, loc="outside upper center", ncols=min(5, -(-len(labels) // 2)) if len(labels) > 4 else 4,
         columnspacing=1.0, handletextpad=0.4,
     )  # fmt: skip
 
