@@ -37,6 +37,16 @@ vector toFoam(const elutria::dem::Vector3& v)
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
+IOobject ElutriaCloud::passingField(const word& name) const
+{
+    return IOobject
+    (
+        name, mesh().time().timeName(), mesh(),
+        IOobject::NO_READ, IOobject::NO_WRITE, false
+    );
+}
+
+
 void ElutriaCloud::findModels()
 {
     typedef stockCloud::collidingCloudType collidingCloudType;
@@ -272,7 +282,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
         f.spin = toFoam(all.spin[i]);
         f.impulse =
             effectiveMass_[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
-        f.coefficient = -effectiveMass_[i]*std::expm1(-all.dragRate[i]*dt);
+        f.dragRate = all.dragRate[i];
 
         meshTools::constrainDirection
         (
@@ -287,11 +297,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
 
 void ElutriaCloud::deposit(const parcelType& p, const Flight& flight)
 {
-    if (solution().coupled())
-    {
-        UTrans()[p.cell()] -= p.nParticle()*flight.impulse;
-        UCoeff()[p.cell()] += p.nParticle()*flight.coefficient;
-    }
+    impulse_[p.cell()] -= p.nParticle()*flight.impulse;
 }
 
 
@@ -421,7 +427,7 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
     IDLList<parcelType> moving;
     moving.transfer(*this);
 
-    response_.clear();
+    dragRates_.clear();
     ParcelTransfer<parcelType, Flight> transfer(mesh());
 
     do
@@ -444,7 +450,7 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
             else
             {
                 deposit(p, flight);
-                response_.append(flight.coefficient/p.mass());
+                dragRates_.append(flight.dragRate);
                 addParticle(moving.remove(&p));
             }
         }
@@ -469,6 +475,8 @@ ElutriaCloud::ElutriaCloud
     recorder_(nullptr),
     contacts_(nullptr),
     stockMotion_(false),
+    impulse_(mesh().nCells(), Zero),
+    window_(0),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     theta_
     (
@@ -507,86 +515,104 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
 {
     enterFeed(td);
 
+    const scalar dt = solution().trackTime();
+    window_ += dt;
+
     if (stockMotion_)
     {
         stockCloud::motion(cloud, td);
         return;
     }
 
-    const scalar dt = solution().trackTime();
     sampleGas(td, dt);
     advanceParticles(dt);
     track(td, dt);
 }
 
 
-void ElutriaCloud::correct(const volVectorField& change)
+scalar ElutriaCloud::response(const label k) const
 {
-    if (stockMotion_ || !solution().coupled())
-    {
-        return;
-    }
-
-    volVectorField seen
-    (
-        IOobject
-        (
-            "gasChange", mesh().time().timeName(), mesh(),
-            IOobject::NO_READ, IOobject::NO_WRITE, false
-        ),
-        mesh(),
-        dimensionedVector(dimVelocity, Zero),
-        zeroGradientFvPatchVectorField::typeName
-    );
-    seen.primitiveFieldRef() = change.primitiveField();
-    kernel_.spread(seen);
-
-    label k = 0;
-    for (parcelType& p : *this)
-    {
-        p.U() += response_[k++]*seen[p.cell()];
-    }
+    return -std::expm1(-dragRates_[k]*window_);
 }
 
 
 ElutriaCloud::GasExchange ElutriaCloud::exchange() const
 {
-    const auto field = [&](const word& name)
-    {
-        return IOobject
-        (
-            name, mesh().time().timeName(), mesh(),
-            IOobject::NO_READ, IOobject::NO_WRITE, false
-        );
-    };
-
     GasExchange gas
     {
         volVectorField
         (
-            field("particleForce"), mesh(),
+            passingField("particleForce"), mesh(),
             dimensionedVector(dimForce/dimVolume, Zero),
             zeroGradientFvPatchVectorField::typeName
         ),
         volScalarField
         (
-            field("particleCoefficient"), mesh(),
+            passingField("particleCoefficient"), mesh(),
             dimensionedScalar(dimDensity/dimTime, Zero),
             zeroGradientFvPatchScalarField::typeName
         )
     };
-
-    if (solution().coupled())
+    if (!solution().coupled() || window_ <= 0)
     {
-        const scalarField Vdt(mesh().V()*mesh().time().deltaTValue());
-        gas.force.primitiveFieldRef() = UTrans().field()/Vdt;
-        gas.coefficient.primitiveFieldRef() = UCoeff().field()/Vdt;
-        kernel_.spread(gas.force);
-        kernel_.spread(gas.coefficient);
-        gas.force.correctBoundaryConditions();
-        gas.coefficient.correctBoundaryConditions();
+        return gas;
     }
+
+    vectorField& force = gas.force.primitiveFieldRef();
+    scalarField& coefficient = gas.coefficient.primitiveFieldRef();
+    if (stockMotion_)
+    {
+        force = UTrans().field();
+        coefficient = UCoeff().field();
+    }
+    else
+    {
+        force = impulse_;
+        label k = 0;
+        for (const parcelType& p : *this)
+        {
+            coefficient[p.cell()] += p.nParticle()*p.mass()*response(k++);
+        }
+    }
+
+    const scalarField Vw(mesh().V()*window_);
+    force /= Vw;
+    coefficient /= Vw;
+    kernel_.spread(gas.force);
+    kernel_.spread(gas.coefficient);
+    gas.force.correctBoundaryConditions();
+    gas.coefficient.correctBoundaryConditions();
     return gas;
+}
+
+
+void ElutriaCloud::correct(const volVectorField& change)
+{
+    if (!stockMotion_ && solution().coupled())
+    {
+        volVectorField seen
+        (
+            passingField("gasChange"), mesh(),
+            dimensionedVector(dimVelocity, Zero),
+            zeroGradientFvPatchVectorField::typeName
+        );
+        seen.primitiveFieldRef() = change.primitiveField();
+        kernel_.spread(seen);
+
+        label k = 0;
+        for (parcelType& p : *this)
+        {
+            p.U() += response(k++)*seen[p.cell()];
+        }
+    }
+    drop();
+}
+
+
+void ElutriaCloud::drop()
+{
+    impulse_ = Zero;
+    window_ = 0;
 }
 
 

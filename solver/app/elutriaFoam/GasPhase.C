@@ -11,6 +11,19 @@
 namespace Foam
 {
 
+namespace
+{
+
+//- Root mean square over the volume
+scalar rms(const volVectorField& field)
+{
+    const scalarField& V = field.mesh().V();
+    return std::sqrt(gSum(magSqr(field.primitiveField())*V)/gSum(V));
+}
+
+} // End anonymous namespace
+
+
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 IOobject GasPhase::fieldHeader
@@ -207,8 +220,18 @@ void GasPhase::setSolidFraction(const volScalarField& solid)
 }
 
 
-void GasPhase::solve(const ElutriaCloud::GasExchange& particles)
+tmp<volVectorField> GasPhase::solve
+(
+    const ElutriaCloud::GasExchange& particles,
+    const scalar dt
+)
 {
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar runStep = runTime.deltaTValue();
+    runTime.setDeltaT(dt, false);
+
+    const volVectorField before("before", U_);
+
     // The explicit part at the velocity the particles saw
     const volVectorField force
     (
@@ -250,6 +273,89 @@ void GasPhase::solve(const ElutriaCloud::GasExchange& particles)
         }
     }
     reportContinuity();
+    runTime.setDeltaT(runStep, false);
+
+    return U_ - before;
+}
+
+
+void GasPhase::converge
+(
+    const ElutriaCloud::GasExchange& none,
+    const scalar courant,
+    const scalar tolerance
+)
+{
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar start = runTime.value();
+    const label index = runTime.timeIndex();
+    const scalar runStep = runTime.deltaTValue();
+    const scalar through = throughTime();
+    if (through >= GREAT)
+    {
+        return;
+    }
+
+    // Ten passes of the gas are enough where it settles at all
+    scalar change = GREAT, passed = 0;
+    label steps = 0;
+    while (change > tolerance && passed < 10*through)
+    {
+        const scalar dt = min(courant/courantRate(), through);
+        runTime.setTime(start, index + ++steps);
+        runTime.setDeltaT(dt, false);
+
+        change = relative(solve(none, dt)())*through/dt;
+        check();
+        passed += dt;
+    }
+    runTime.setDeltaT(runStep, false);
+    runTime.setTime(start, index);
+
+    Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
+        << " passes; change per pass " << change
+        << (change > tolerance ? " (not below " : " (below ") << tolerance
+        << ")" << endl;
+}
+
+
+scalar GasPhase::relative(const volVectorField& change) const
+{
+    return rms(change)/meanSpeed();
+}
+
+
+scalar GasPhase::courantRate() const
+{
+    const scalarField outflow(fvc::surfaceSum(mag(phi_))().primitiveField());
+    return max(0.5*gMax(outflow/mesh_.V().field()), VSMALL);
+}
+
+
+scalar GasPhase::throughTime() const
+{
+    scalar inflow = 0;
+    forAll(mesh_.boundary(), patchi)
+    {
+        if (!mesh_.boundary()[patchi].coupled())
+        {
+            inflow -= sum(min(phi_.boundaryField()[patchi], scalar(0)));
+        }
+    }
+    reduce(inflow, sumOp<scalar>());
+    return inflow > VSMALL ? gSum(mesh_.V())/inflow : GREAT;
+}
+
+
+scalar GasPhase::meanSpeed() const
+{
+    return max(rms(U_), VSMALL);
+}
+
+
+scalar GasPhase::meanDensity() const
+{
+    return gAverage(rho_.primitiveField());
 }
 
 

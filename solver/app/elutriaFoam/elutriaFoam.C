@@ -16,6 +16,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "GasPhase.H"
+#include "ScenePlan.H"
 #include "foamVersion.H"
 
 using namespace Foam;
@@ -41,6 +42,36 @@ void reportCount(const Time& runTime, const ElutriaCloud& cloud,
         Info<< " inside " << count.inside;
     }
     Info<< endl;
+}
+
+
+//- Bring the gas up to the particles' time, where it needs to be solved
+void settleGas(GasPhase& gas, ElutriaCloud& cloud, ScenePlan& plan,
+    const scalar largestSolidFraction)
+{
+    gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+    if (cloud.excessVolume() > 0)
+    {
+        Info<< "    Warning: " << cloud.excessVolume()
+            << " m3 of solids are above the largest solid fraction "
+            << largestSolidFraction << " and not seen by the gas" << endl;
+    }
+
+    const ElutriaCloud::GasExchange exchange(cloud.exchange());
+    const bool needed = plan.gasNeeded(exchange.force);
+    plan.account(ScenePlan::partExchange);
+    if (!needed)
+    {
+        cloud.drop();
+        return;
+    }
+
+    gas.correctTransport();
+    const volVectorField change(gas.solve(exchange, cloud.window()));
+    gas.check();
+    cloud.correct(change);
+    plan.gasSolved(exchange.force, gas.relative(change));
+    plan.account(ScenePlan::partGas);
 }
 
 } // End anonymous namespace
@@ -81,6 +112,12 @@ int main(int argc, char *argv[])
     gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
     gas.startTurbulence();
 
+    ScenePlan plan(gas, runTime);
+    if (plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0)
+    {
+        gas.converge(cloud.exchange(), plan.courant(), 0.2*plan.tolerance());
+    }
+
     Info<< "\nStarting time loop\n" << endl;
 
     while (runTime.run())
@@ -94,24 +131,16 @@ int main(int argc, char *argv[])
         ++runTime;
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
-        gas.correctTransport();
         cloud.evolve();
-        gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
-        if (cloud.excessVolume() > 0)
-        {
-            Info<< "    Warning: " << cloud.excessVolume()
-                << " m3 of solids are above the largest solid fraction "
-                << largestSolidFraction << " and not seen by the gas" << endl;
-        }
+        plan.account(ScenePlan::partParticles);
 
-        const volVectorField before("before", gas.U());
-        gas.solve(cloud.exchange());
-        gas.check();
-        cloud.correct(gas.U() - before);
+        if (plan.gasDue(runTime, cloud.window()))
+        {
+            settleGas(gas, cloud, plan, largestSolidFraction);
+        }
 
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
-
         if (cloud.drained(count))
         {
             cloud.writeLedger();
@@ -121,9 +150,11 @@ int main(int argc, char *argv[])
         {
             runTime.write();
         }
-        runTime.printExecutionTime(Info);
+        plan.countStep();
+        plan.account(ScenePlan::partOutput);
     }
 
+    plan.report(cloud);
     Info<< "elutria: finished" << endl;
     return 0;
 }

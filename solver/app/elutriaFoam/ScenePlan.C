@@ -1,0 +1,195 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "ScenePlan.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+dictionary readSettings(const Time& runTime)
+{
+    return IOdictionary
+    (
+        IOobject
+        (
+            "scenePlan",
+            runTime.system(),
+            runTime,
+            IOobject::READ_IF_PRESENT,
+            IOobject::NO_WRITE,
+            false
+        )
+    );
+}
+
+
+scalar readPositive
+(
+    const dictionary& dict,
+    const word& entry,
+    const scalar fallback
+)
+{
+    const scalar value = dict.getOrDefault<scalar>(entry, fallback);
+    if (!(value > 0))
+    {
+        FatalIOErrorInFunction(dict)
+            << entry << " is " << value << ", allowed: > 0"
+            << exit(FatalIOError);
+    }
+    return value;
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+ScenePlan::choice ScenePlan::readChoice
+(
+    const dictionary& dict,
+    const word& entry
+)
+{
+    const word value(dict.getOrDefault<word>(entry, "auto"));
+    if (value == "auto")
+    {
+        return choice::automatic;
+    }
+    if (value == "on")
+    {
+        return choice::on;
+    }
+    if (value != "off")
+    {
+        FatalIOErrorInFunction(dict)
+            << entry << " is " << value << ", allowed: auto, on, off"
+            << exit(FatalIOError);
+    }
+    return choice::off;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
+:
+    gas_(gas),
+    interval_(1),
+    since_(0),
+    lastForce_(gas.U().size(), Zero),
+    solves_(0),
+    sleeps_(0),
+    largestSpared_(0),
+    seconds_(scalar(0)),
+    lapStart_(clock::now()),
+    steps_(0)
+{
+    const dictionary dict(readSettings(runTime));
+    gasChoice_ = readChoice(dict, "gas");
+    convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
+    tolerance_ = readPositive(dict, "gasTolerance", 0.005);
+    courant_ = readPositive(dict, "gasCourant", 5);
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+bool ScenePlan::gasDue(const Time& runTime, const scalar window)
+{
+    if (gasChoice_ != choice::automatic)
+    {
+        return gasChoice_ == choice::on;
+    }
+
+    // At write times the pending exchange is settled, so that a restart
+    // finds nothing open
+    const scalar next = window + runTime.deltaTValue();
+    return
+        ++since_ >= interval_
+     || next*gas_.courantRate() > courant_
+     || runTime.writeTime();
+}
+
+
+bool ScenePlan::gasNeeded(const volVectorField& force)
+{
+    if (gasChoice_ == choice::on)
+    {
+        return true;
+    }
+
+    const scalarField& V = gas_.U().mesh().V();
+    const scalar moved =
+        gSum(mag(force.primitiveField() - lastForce_)*V)/gSum(V);
+    const scalar spared =
+        moved*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed());
+
+    since_ = 0;
+    if (spared < tolerance_)
+    {
+        ++sleeps_;
+        largestSpared_ = max(largestSpared_, spared);
+        return false;
+    }
+    return true;
+}
+
+
+void ScenePlan::gasSolved(const volVectorField& force, const scalar change)
+{
+    ++solves_;
+    since_ = 0;
+    lastForce_ = force.primitiveField();
+
+    if (change < 0.5*tolerance_)
+    {
+        interval_ = min(2*interval_, label(1024));
+    }
+    else if (change > tolerance_)
+    {
+        interval_ = max(interval_/2, label(1));
+    }
+}
+
+
+void ScenePlan::account(const part p)
+{
+    const clock::time_point now = clock::now();
+    seconds_[p] += std::chrono::duration<scalar>(now - lapStart_).count();
+    lapStart_ = now;
+}
+
+
+void ScenePlan::report(const ElutriaCloud& cloud) const
+{
+    static const char* const names[nParts] =
+        {"particles", "exchange", "gas", "output"};
+
+    scalar total = SMALL;
+    for (const scalar s : seconds_)
+    {
+        total += s;
+    }
+    Info<< nl << "Scene plan: " << steps_ << " steps, gas solved " << solves_
+        << " times, left at rest " << sleeps_
+        << " times when due (largest velocity change spared "
+        << 100*largestSpared_ << " %), interval now " << interval_
+        << " steps" << nl;
+    for (label p = 0; p < nParts; ++p)
+    {
+        Info<< "    " << names[p] << ": " << seconds_[p] << " s, "
+            << 100*seconds_[p]/total << " %" << nl;
+    }
+    Info<< endl;
+}
+
+
+} // End namespace Foam
