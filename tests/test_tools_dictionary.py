@@ -65,9 +65,7 @@ def test_macros_stand_for_what_was_read_before(tmp_path: Path) -> None:
         "a { " * 2_000,
     ],
 )
-def test_a_bad_number_is_one_line_that_names_file_and_entry(
-    tmp_path: Path, text: str
-) -> None:
+def test_a_bad_number_is_one_line_that_names_file_and_entry(tmp_path: Path, text: str) -> None:
     path = write(tmp_path, "constant/feed", text)
     with pytest.raises(InputError) as caught:
         read_dictionary(path).number("density", above=0, unit="kg/m3")
@@ -81,9 +79,7 @@ def test_a_bad_number_is_one_line_that_names_file_and_entry(
 def test_a_misspelt_entry_is_recognised(tmp_path: Path) -> None:
     path = write(tmp_path, "feed", "denisty 2650; sphericity 1;")
     entries = read_dictionary(path)
-    with pytest.raises(
-        InputError, match="denisty: unknown entry, did you mean 'density'"
-    ):
+    with pytest.raises(InputError, match="denisty: unknown entry, did you mean 'density'"):
         entries.refuse_unknown(["density", "sphericity"])
     with pytest.raises(InputError, match="found 'denisty', did you mean 'density'"):
         entries.number("density")
@@ -91,7 +87,7 @@ def test_a_misspelt_entry_is_recognised(tmp_path: Path) -> None:
 
 def test_includes_that_are_missing_or_circular_are_refused(tmp_path: Path) -> None:
     path = write(tmp_path, "feed", '#include "nowhere"\na 1;')
-    with pytest.raises(InputError, match="nowhere.*file not found"):
+    with pytest.raises(InputError, match=r"nowhere.*file not found"):
         read_dictionary(path)
     path = write(tmp_path, "feed", '#include "feed"\na 1;')
     with pytest.raises(InputError, match="circle"):
@@ -114,9 +110,7 @@ def test_what_is_not_a_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_setting_an_entry_changes_its_line_only(tmp_path: Path) -> None:
-    text = (
-        "// what a sweep varies\na  5;   // m/s\nb { c (0 0 1); /* keep */ d word; }\n"
-    )
+    text = "// what a sweep varies\na  5;   // m/s\nb { c (0 0 1); /* keep */ d word; }\n"
     path = write(tmp_path, "parameters", text)
     set_entry(path, "a", "7.5")
     set_entry(path, "b/c", "(1 2 3)")
@@ -148,7 +142,5 @@ def test_setting_what_is_not_there_suggests_what_is(tmp_path: Path) -> None:
 
 
 def test_patches_of_a_mesh(tmp_path: Path) -> None:
-    path = write(
-        tmp_path, "boundary", "2\n(\n a { type patch; }\n b { type wall; }\n)\n"
-    )
+    path = write(tmp_path, "boundary", "2\n(\n a { type patch; }\n b { type wall; }\n)\n")
     assert [entry[0] for entry in read_list(path)] == ["a", "b"]

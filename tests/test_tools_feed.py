@@ -26,9 +26,7 @@ ROSIN = {"type": "RosinRammler", "d63": 9e-4, "n": 3, "min": 3e-4, "max": 2e-3}
 LOG_NORMAL = {"type": "logNormal", "d50": 5e-4, "sigma": 1.5, "min": 1e-4, "max": 2e-3}
 
 
-def integral(
-    density: Callable[[float], float], power: int, low: float, high: float
-) -> float:
+def integral(density: Callable[[float], float], power: int, low: float, high: float) -> float:
     return quad(lambda d: density(d) * d**power, low, high, epsabs=0, epsrel=1e-10)[0]
 
 
@@ -51,12 +49,8 @@ def test_both_weightings_agree_with_integrals_of_the_density(
     ours = sizes(**entries, weighting=weighting)
     to_mass, to_number = (0, -3) if weighting == "mass" else (3, 0)
     for d in (3.5e-4, 5e-4, 9e-4, 1.5e-3):
-        mass = integral(density, to_mass, low, d) / integral(
-            density, to_mass, low, high
-        )
-        number = integral(density, to_number, low, d) / integral(
-            density, to_number, low, high
-        )
+        mass = integral(density, to_mass, low, d) / integral(density, to_mass, low, high)
+        number = integral(density, to_number, low, d) / integral(density, to_number, low, high)
         assert ours.mass_share_below(d) == pytest.approx(mass, abs=2e-6)
         assert ours.number_share_below(d) == pytest.approx(number, abs=2e-6)
 
@@ -65,9 +59,7 @@ def test_quantiles_invert_the_cumulative_share() -> None:
     ours = sizes(**ROSIN)
     shares = np.array([0.01, 0.25, 0.5, 0.9])
     assert ours.mass_share_below(ours.mass_quantile(shares)) == pytest.approx(shares)
-    assert ours.number_share_below(ours.number_quantile(shares)) == pytest.approx(
-        shares
-    )
+    assert ours.number_share_below(ours.number_quantile(shares)) == pytest.approx(shares)
     assert ours.mass_quantile(0) == pytest.approx(3e-4)
     assert ours.mass_quantile(1) == pytest.approx(2e-3)
 
@@ -161,9 +153,7 @@ CHANGES = [
 
 
 @pytest.mark.parametrize("old, new, expected", CHANGES)
-def test_each_mistake_in_the_feed_is_named(
-    column: Path, old: str, new: str, expected: str
-) -> None:
+def test_each_mistake_in_the_feed_is_named(column: Path, old: str, new: str, expected: str) -> None:
     path = column / "constant/feed"
     text = " ".join(re.sub(r"//.*", "", path.read_text()).split()).replace(";", ";\n")
     text = text.replace('simulationParameters"', 'simulationParameters"\n')

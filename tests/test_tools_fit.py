@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from elutria.curves import MODELS, Model
-from elutria.fit import LEVELS, PartitionFit, fit_partition, relative_weights
+from elutria.fit import LEVELS, CurveFit, PartitionFit, fit_partition, relative_weights
 
 Array = NDArray[np.float64]
 CUT = 700e-6
@@ -23,9 +23,7 @@ def draw(
 
 
 def true_size(model: Model, log_shape: float, bypass: float, level: float) -> float:
-    return CUT * float(
-        np.exp(model.log_x_at((level - bypass) / (1 - bypass), log_shape))
-    )
+    return CUT * float(np.exp(model.log_x_at((level - bypass) / (1 - bypass), log_shape)))
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
@@ -58,9 +56,7 @@ def test_sharpness_of_the_models_as_published() -> None:
     }
     for model in MODELS[:2]:
         for m in (1.5, 4.0, 12.0):
-            ratio = np.exp(
-                model.log_x_at(0.25, np.log(m)) - model.log_x_at(0.75, np.log(m))
-            )
+            ratio = np.exp(model.log_x_at(0.25, np.log(m)) - model.log_x_at(0.75, np.log(m)))
             assert ratio == pytest.approx(published[model.name](m))
 
 
@@ -70,35 +66,31 @@ def test_what_made_the_events_is_found(model: Model, bypass: float) -> None:
     diameter, coarse = draw(model, 2.0, bypass, 60_000, seed=1)
     fit = fit_partition(diameter, coarse, intervals=False)
     for level in LEVELS:
-        assert fit.sizes[level][0] == pytest.approx(
-            true_size(model, 2.0, bypass, level), rel=0.015
-        )
+        assert fit.sizes[level][0] == pytest.approx(true_size(model, 2.0, bypass, level), rel=0.015)
     assert fit.best is not None
     assert fit.best.bypass == pytest.approx(bypass, abs=0.015)
     assert [f.aic for f in fit.ranked] == sorted(f.aic for f in fit.ranked)
 
 
+def log_likelihood(
+    fit: CurveFit, diameter: Array, coarse: NDArray[np.bool_], d_center: float, d_shape: float
+) -> float:
+    assert fit.model is not None
+    x = diameter / np.exp(fit.log_diameter + d_center)
+    share = fit.bypass + (1 - fit.bypass) * fit.model.share(x, fit.log_shape + d_shape)
+    return float(np.sum(np.log(np.where(coarse, share, 1 - share))))
+
+
 def test_the_fit_is_a_maximum() -> None:
     diameter, coarse = draw(MODELS[0], 1.5, 0.05, 2_000, seed=2)
     for fit in fit_partition(diameter, coarse, intervals=False).ranked:
-
-        def likelihood(center: float, shape: float, bypass: float) -> float:
-            share = bypass + (1 - bypass) * fit.model.share(
-                diameter / np.exp(center), shape
-            )
-            return float(np.sum(np.log(np.where(coarse, share, 1 - share))))
-
-        best = likelihood(fit.log_diameter, fit.log_shape, fit.bypass)
+        best = log_likelihood(fit, diameter, coarse, 0, 0)
         assert best == pytest.approx(fit.log_likelihood)
-        for d_center, d_shape in ((0.005, 0), (-0.005, 0), (0, 0.03), (0, -0.03)):
-            assert likelihood(
-                fit.log_diameter + d_center, fit.log_shape + d_shape, fit.bypass
-            ) < (best + 1e-9)
+        for step in ((0.005, 0), (-0.005, 0), (0, 0.03), (0, -0.03)):
+            assert log_likelihood(fit, diameter, coarse, *step) < best + 1e-9
 
 
-def coverage(
-    model: Model, log_shape: float, bypass: float, number: int, sets: int
-) -> Array:
+def coverage(model: Model, log_shape: float, bypass: float, number: int, sets: int) -> Array:
     """Share of data sets whose intervals hold the true d25, d50 and d75."""
     hits = np.zeros(3)
     for seed in range(sets):
@@ -139,9 +131,7 @@ def test_without_one_of_the_products_there_is_no_cut(coarse: bool) -> None:
     diameter = np.geomspace(1e-4, 1e-3, 50)
     fit = fit_partition(diameter, np.full(50, coarse))
     assert fit.best is None
-    assert np.isnan(
-        [fit.d25, fit.d50, fit.d75, fit.sharpness, fit.ecart_probable]
-    ).all()
+    assert np.isnan([fit.d25, fit.d50, fit.d75, fit.sharpness, fit.ecart_probable]).all()
     nothing = fit_partition(diameter[:0], np.zeros(0, dtype=bool))
     assert np.isnan(nothing.d50)
 

@@ -36,9 +36,7 @@ def test_no_mass_is_lost_between_classes() -> None:
     sample = events(2_000)
     table = partition_table(sample, class_limits(3e-4, 2e-3))
     assert sum(c.feed for c in table) == pytest.approx(sample.mass.sum(), rel=1e-12)
-    assert sum(c.inside for c in table) == pytest.approx(
-        sample.mass[~sample.has_left].sum()
-    )
+    assert sum(c.inside for c in table) == pytest.approx(sample.mass[~sample.has_left].sum())
     for entry in table:
         assert entry.low <= entry.diameter <= entry.high
         assert entry.share == pytest.approx(entry.coarse / (entry.coarse + entry.fines))

@@ -35,9 +35,7 @@ def test_plug_flow_cut_sizes(density: float, velocity: float, size: float) -> No
         ("Haider-Levenspiel", 0.8, 970),
     ],
 )
-def test_the_drag_law_alone_moves_the_cut(
-    law: str, sphericity: float, size: float
-) -> None:
+def test_the_drag_law_alone_moves_the_cut(law: str, sphericity: float, size: float) -> None:
     found = drag.plug_flow_cut_size(5, 2650, AIR, law, sphericity)
     assert found * 1e6 == pytest.approx(size, abs=1)
 
@@ -48,17 +46,13 @@ def test_settling_velocity_of_the_mfix_reference() -> None:
     assert found == pytest.approx(0.4574017, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    "reynolds, cd", [(0.5, 51.54), (50, 1.574), (500, 0.5549), (2500, 0.4082)]
-)
+@pytest.mark.parametrize("reynolds, cd", [(0.5, 51.54), (50, 1.574), (500, 0.5549), (2500, 0.4082)])
 def test_the_standard_curve(reynolds: float, cd: float) -> None:
     assert drag.clift(reynolds) == pytest.approx(cd, rel=1e-3)
 
 
 # Ganser's published coefficients leave its sphere below the standard curve between Re 1 and 1000
-@pytest.mark.parametrize(
-    "law, tolerance", [("Haider-Levenspiel", 0.07), ("Ganser", 0.28)]
-)
+@pytest.mark.parametrize("law, tolerance", [("Haider-Levenspiel", 0.07), ("Ganser", 0.28)])
 def test_laws_for_shapes_come_near_the_sphere(law: str, tolerance: float) -> None:
     for reynolds in (0.1, 1, 10, 100, 1000):
         sphere = drag.clift(reynolds)
@@ -78,9 +72,7 @@ def test_drift_with_dispersion_solves_its_equation_and_limits() -> None:
     for terminal in (4.8, 5.0, 5.05, 5.2):
         share = np.array(
             [
-                theory.drift_dispersion_fines_share(
-                    terminal, velocity, x, length, dispersion
-                )
+                theory.drift_dispersion_fines_share(terminal, velocity, x, length, dispersion)
                 for x in heights
             ]
         )
@@ -91,12 +83,8 @@ def test_drift_with_dispersion_solves_its_equation_and_limits() -> None:
         assert np.abs(residual).max() < 1e-4 * np.abs(dispersion * second).max() + 1e-6
         assert share[0] == 0
         assert share[-1] == pytest.approx(1)
-    middle = theory.drift_dispersion_fines_share(
-        [4.9, 5.1], velocity, 0.25, length, dispersion
-    )
-    assert middle == pytest.approx(
-        1 / (1 + np.exp(-np.array([0.1, -0.1]) * 0.5 / 0.04))
-    )
+    middle = theory.drift_dispersion_fines_share([4.9, 5.1], velocity, 0.25, length, dispersion)
+    assert middle == pytest.approx(1 / (1 + np.exp(-np.array([0.1, -0.1]) * 0.5 / 0.04)))
 
 
 def test_strong_drift_does_not_overflow() -> None:

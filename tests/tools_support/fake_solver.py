@@ -68,9 +68,7 @@ def main() -> int:
     folder = Path("postProcessing/outlets/0")
     folder.mkdir(parents=True)
     (folder / "particles.csv").write_text(COLUMNS + "".join(row for row, _, _ in rows))
-    Path("postProcessing/inside.csv").write_text(
-        COLUMNS + "".join(row for row, _, _ in inside)
-    )
+    Path("postProcessing/inside.csv").write_text(COLUMNS + "".join(row for row, _, _ in inside))
 
     def amount(entries):
         mass = sum(2650 * math.pi / 6 * d**3 for _, _, d in entries)
@@ -79,9 +77,7 @@ def main() -> int:
     none = {"number": 0, "mass_kg": 0.0, "parcels": 0}
     account = {
         "injected": amount(rows + inside),
-        "outlets": {
-            p: amount([r for r in rows if r[1] == p]) for p in ("fines", "coarse")
-        },
+        "outlets": {p: amount([r for r in rows if r[1] == p]) for p in ("fines", "coarse")},
         "inside": amount(inside),
         "lost": none,
     }

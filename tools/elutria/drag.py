@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import exp, log10, pi
 
 from fluids.drag import Clift
-from scipy.optimize import brentq
+from fluids.numerics import brenth
 
 GRAVITY = 9.81
 """m/s2, where a case does not say otherwise."""
@@ -123,7 +123,7 @@ def terminal_velocity(
 
     stokes = (density - gas.density) * gravity * diameter**2 / (18 * gas.viscosity)
     low = 1e-6 * min(stokes, 1.0)
-    return float(brentq(surplus, low, 2 * stokes, xtol=1e-13, rtol=1e-12))
+    return float(brenth(surplus, low, 2 * stokes, xtol=1e-13, rtol=1e-12))
 
 
 def plug_flow_cut_size(
@@ -145,4 +145,4 @@ def plug_flow_cut_size(
     low, high = 1e-7, 0.1
     if surplus(low) > 0 or surplus(high) < 0:
         return float("nan")
-    return float(brentq(surplus, low, high, xtol=1e-13, rtol=1e-12))
+    return float(brenth(surplus, low, high, xtol=1e-13, rtol=1e-12))

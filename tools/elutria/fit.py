@@ -18,8 +18,7 @@ from math import exp, inf, isfinite, log, log1p, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit, log_expit
-from scipy.stats import chi2
+from scipy.special import chdtri, expit, log_expit
 
 from elutria.curves import MODELS, Model
 
@@ -27,7 +26,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEVELS = (0.25, 0.50, 0.75)
-_THRESHOLD = float(chi2.ppf(0.95, df=1))
+_THRESHOLD = float(chdtri(1, 0.05))
 _MAX_BYPASS = 0.6
 
 

@@ -7,7 +7,7 @@ from math import nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from elutria.events import Events
 
@@ -91,7 +91,7 @@ def wilson(share: float, number: float, confidence: float = 0.95) -> tuple[float
     """Wilson's interval of a share seen in `number` (effective) trials. Wilson 1927."""
     if number <= 0:
         return nan, nan
-    z = float(norm.ppf(0.5 + confidence / 2))
+    z = float(ndtri(0.5 + confidence / 2))
     center = (share + z**2 / (2 * number)) / (1 + z**2 / number)
     half = z / (1 + z**2 / number) * sqrt(share * (1 - share) / number + z**2 / (4 * number**2))
     return max(center - half, 0.0), min(center + half, 1.0)

@@ -233,8 +233,9 @@ def _outline(
 
 def _legend_above(figure: Figure, axes: Axes) -> None:
     handles, labels = axes.get_legend_handles_labels()
+    columns = len(labels) if len(labels) < 5 else min(5, -(-len(labels) // 2))
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=min(5, -(-len(labels) // 2)) if len(labels) > 4 else 4,
+        handles, labels, loc="outside upper center", ncols=columns,
         columnspacing=1.0, handletextpad=0.4,
     )  # fmt: skip
 

@@ -14,7 +14,7 @@ from math import log
 import numpy as np
 from fluids.particle_size_distribution import cdf_lognormal, cdf_Rosin_Rammler
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from elutria.dictionary import Dictionary
 
@@ -139,7 +139,7 @@ def _law(kind: str, entry: Dictionary) -> Callable[[Array], Array]:
     if kind == "normal":
         mean = entry.number("mean", above=0, unit="m")
         width = entry.number("standardDeviation", above=0, unit="m")
-        return lambda d: np.asarray(norm.cdf(d, mean, width))
+        return lambda d: np.asarray(ndtr((d - mean) / width))
     return lambda d: d
 
 
