@@ -1,6 +1,7 @@
 #include "Engine.hpp"
 
 #include "SoftIntegrator.hpp"
+#include "hybrid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +15,20 @@ struct Engine::Implementation
     Settings settings;
     ContactMaterials materials;
     Walls walls;
+    LawTable laws;
     SoftIntegrator soft;
+    Hybrid hybrid;
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        soft(settings, materials, walls)
+        laws(settings.law, materials), soft(settings, materials, walls),
+        hybrid(settings, materials, walls, soft,
+               [this](const Particles& p)
+               { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
     {}
+
+    bool softOnly() const { return settings.treatment == ContactTreatment::soft; }
+    double stepLimit(const Particles& particles, double speed) const;
 };
 
 namespace
@@ -122,6 +131,11 @@ StepReport Engine::advance(Particles& particles, double duration)
     }
     check(particles, self_->materials.size());
     StepReport report;
+    if (!self_->softOnly())
+    {
+        self_->hybrid.advance(particles, duration, report);
+        return report;
+    }
     const double limit = self_->settings.step > 0 ? self_->settings.step : stepLimit(particles);
     const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
     self_->soft.run(particles, duration, std::size_t(steps), report);
@@ -132,19 +146,28 @@ void Engine::contactForces(const Particles& particles, double step, VectorArray&
                            VectorArray& torque)
 {
     check(particles, self_->materials.size());
+    self_->hybrid.usePlain();
     self_->soft.contactForces(particles, step, force, torque);
 }
 
-std::vector<ContactRecord> Engine::exportContacts() const { return self_->soft.exportContacts(); }
+std::vector<ContactRecord> Engine::exportContacts() const
+{
+    return self_->softOnly() ? self_->soft.exportContacts() : self_->hybrid.exportContacts();
+}
 
 void Engine::importContacts(const std::vector<ContactRecord>& records)
 {
-    self_->soft.importContacts(records);
+    if (self_->softOnly()) self_->soft.importContacts(records);
+    else self_->hybrid.importContacts(records);
 }
 
 double Engine::stepLimit(const Particles& particles, double speed) const
 {
-    const Settings& settings = self_->settings;
+    return self_->stepLimit(particles, speed);
+}
+
+double Engine::Implementation::stepLimit(const Particles& particles, double speed) const
+{
     if (particles.size() == 0) return 1e300;
     double radius = 1e300, mass = 1e300, fastest = 0;
     for (std::size_t i = 0; i < particles.size(); ++i)
@@ -155,15 +178,14 @@ double Engine::stepLimit(const Particles& particles, double speed) const
     }
     if (!(speed > 0)) speed = std::max(2*fastest, 0.1);
     double shortest = 1e300;
-    const LawTable table(settings.law, self_->materials);
-    for (std::uint32_t a = 0; a < self_->materials.size(); ++a)
+    for (std::uint32_t a = 0; a < materials.size(); ++a)
     {
         for (std::uint32_t b = 0; b <= a; ++b)
         {
-            const laws::Coefficients& c = table(a, b);
+            const laws::Coefficients& c = laws(a, b);
             const double time = settings.law == ContactLaw::linear
                 ? laws::linearContactTime(c.stiffness, mass/2,
-                                          self_->materials.pair(a, b).restitution)
+                                          materials.pair(a, b).restitution)
                 : laws::hertzContactTime(c.stiffness, radius/2, mass/2, speed);
             shortest = std::min(shortest, time);
         }

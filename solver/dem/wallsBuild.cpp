@@ -1,8 +1,8 @@
+#include "DisjointSets.hpp"
 #include "walls.hpp"
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -15,30 +15,6 @@ namespace
 constexpr double weldTolerance = 1e-9;         // of the walls' extent
 constexpr double gridTarget = 1 << 18;         // cells of the distance table
 constexpr std::uint32_t leafSize = 4;
-
-class DisjointSets
-{
-public:
-    explicit DisjointSets(std::size_t size) : parent_(size)
-    {
-        std::iota(parent_.begin(), parent_.end(), 0u);
-    }
-    std::uint32_t root(std::uint32_t i)
-    {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    /// The lower number becomes the name of the union.
-    void join(std::uint32_t i, std::uint32_t j)
-    {
-        i = root(i), j = root(j);
-        parent_[std::max(i, j)] = std::min(i, j);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
-
 
 /// Gives points closer than a tolerance the same number; periodic images are the same point.
 class Welder

@@ -136,7 +136,7 @@ TEST_CASE("meeting: first touch of two flights is found, early or late, fast or 
 {
     Uniform random;
     int hits = 0;
-    for (int trial = 0; trial < 1500; ++trial)
+    for (int trial = 0; trial < 2500; ++trial)
     {
         const double h = 1e-3, distance = 1e-3;
         const Flight a(random.vector(1.2e-3), random.vector(5), {0, 0, -9.81}, random.vector(5),

@@ -1,0 +1,249 @@
+#include "events.hpp"
+
+#include "meeting.hpp"
+#include "search.hpp"
+
+#include <algorithm>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
+constexpr std::uint32_t mostForcedImpacts = 1000;
+constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
+
+} // namespace
+
+
+double EventDriven::run(std::vector<Traveller>& members, double begin, double end,
+                        std::vector<std::vector<Leg>>& legs)
+{
+    members_ = &members, legs_ = &legs, end_ = end;
+    impacts_ = 0;
+    busyUntil_ = begin;
+    queue_.clear();
+    states_.assign(members.size(), {});
+    for (std::size_t i = 0; i < members.size(); ++i)
+    {
+        states_[i].since = begin;
+        states_[i].bound = boundOf(members[i].flight, members[i].radius, end - begin);
+        legs[i].push_back({begin, members[i].flight, 0});
+    }
+    predictAll();
+
+    double reached = end;
+    while (!queue_.empty())
+    {
+        std::pop_heap(queue_.begin(), queue_.end());
+        const Event next = queue_.back();
+        queue_.pop_back();
+        if (next.versionA != states_[next.a].version) continue;
+        if (next.b != wall && next.versionB != states_[next.b].version) continue;
+        const Verdict verdict = next.handOver ? Verdict::handOver : carryOut(next);
+        if (verdict == Verdict::done) continue;
+        reached = verdict == Verdict::crowded ? goBack() : next.time;
+        break;
+    }
+    for (std::uint32_t i = 0; i < members.size(); ++i) fly(i, reached);
+    return reached;
+}
+
+
+void EventDriven::predictAll()
+{
+    const std::size_t n = states_.size();
+    const double begin = n > 0 ? states_[0].since : 0;
+    if (n <= fewMembers)
+    {
+        for (std::uint32_t a = 0; a < n; ++a)
+            for (std::uint32_t b = a + 1; b < n; ++b) predictPair(a, b, begin);
+    }
+    else
+    {
+        std::vector<double> x(n), y(n), z(n), reach(n);
+        for (std::size_t i = 0; i < n; ++i)
+        {
+            const Bound& bound = states_[i].bound;
+            const Vector3 centre = box_.wrapped(bound.centre);
+            x[i] = centre.x, y[i] = centre.y, z[i] = centre.z, reach[i] = bound.reach;
+        }
+        std::vector<Pair> pairs;
+        findPairs({n, x.data(), y.data(), z.data(), reach.data()}, box_,
+                  NeighbourSearch::automatic, 1, pairs);
+        for (const Pair& pair : pairs) predictPair(pair.first, pair.second, begin);
+    }
+    for (std::uint32_t a = 0; a < n; ++a) predictWall(a, begin);
+}
+
+
+void EventDriven::push(const Event& event)
+{
+    queue_.push_back(event);
+    std::push_heap(queue_.begin(), queue_.end());
+}
+
+
+void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
+{
+    const State &sa = states_[a], &sb = states_[b];
+    const Vector3 apart = box_.shortest(sa.bound.centre - sb.bound.centre);
+    const double reach = sa.bound.reach + sb.bound.reach;
+    if (squaredNorm(apart) >= reach*reach) return;
+
+    const Traveller &ta = (*members_)[a], &tb = (*members_)[b];
+    const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
+    const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
+    const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
+    const double sum = ta.radius + tb.radius;
+    Event event{from, a, b, sa.version, sb.version, true};
+    if (norm(shortest) >= (1 - shallow)*sum)
+    {
+        const Meeting m = meeting(fa, fb, d - shortest, sum, 0, end_ - from);
+        if (m.time >= never) return;
+        event.time = from + m.time;
+        event.handOver = m.lasting || !laws_(ta.material, tb.material).applies();
+    }
+    push(event);
+}
+
+
+void EventDriven::predictWall(std::uint32_t a, double from)
+{
+    State& state = states_[a];
+    if (walls_.distanceBound(state.bound.centre) > state.bound.reach) return;
+    walls_.collect(state.bound.centre, state.bound.reach, images_);
+    const Traveller& t = (*members_)[a];
+    Meeting first;
+    for (const Walls::Image& image : images_)
+    {
+        const auto nearest = [&](const Vector3& p) { return walls_.nearestPoint(image, p); };
+        Meeting m{0, true};
+        if (norm(t.flight.position - nearest(t.flight.position)) >= (1 - shallow)*t.radius)
+            m = wallMeeting(t.flight, t.radius, 0, end_ - from, nearest);
+        if (m.time > first.time || (m.time == first.time && !m.lasting)) continue;
+        first = m;
+        state.nextWall = image;
+    }
+    if (first.time >= never) return;
+    const bool suits = laws_(t.material, walls_.material(state.nextWall.triangle)).applies();
+    push({from + first.time, a, wall, state.version, 0, first.lasting || !suits});
+}
+
+
+void EventDriven::fly(std::uint32_t a, double to)
+{
+    State& state = states_[a];
+    if (to == state.since) return;
+    Traveller& t = (*members_)[a];
+    t.dragGain += t.flight.dragGain(to - state.since, t.force);
+    t.flight = t.flight.at(to - state.since);
+    state.since = to;
+}
+
+
+void EventDriven::remember(double time)
+{
+    Checkpoint& c = checkpoint_;
+    c.time = time;
+    c.members = *members_;
+    c.impacts = impacts_;
+    c.since.clear(), c.legs.clear();
+    for (const State& state : states_) c.since.push_back(state.since);
+    for (const std::vector<Leg>& legs : *legs_) c.legs.push_back(legs.size());
+}
+
+
+double EventDriven::goBack()
+{
+    const Checkpoint& c = checkpoint_;
+    *members_ = c.members;
+    impacts_ = c.impacts;
+    for (std::size_t i = 0; i < states_.size(); ++i)
+    {
+        states_[i].since = c.since[i];
+        (*legs_)[i].resize(c.legs[i]);
+    }
+    return c.time;
+}
+
+
+EventDriven::Verdict EventDriven::carryOut(const Event& event)
+{
+    const auto [time, a, b, versionA, versionB, handOver] = event;
+    const bool onWall = b == wall;
+    const std::uint32_t limit = forced_ ? mostForcedImpacts : mostImpacts;
+    State& sa = states_[a];
+    if (sa.impacts >= limit || (!onWall && states_[b].impacts >= limit))
+        return Verdict::handOver;
+    if (!forced_ && time >= busyUntil_) remember(time);
+
+    fly(a, time);
+    if (!onWall) fly(b, time);
+    Traveller& ta = (*members_)[a];
+    ImpactBody bodyA{ta.radius, 1/ta.mass, ta.flight.velocity, ta.spin}, bodyB;
+    Vector3 normal;
+    std::uint32_t other;
+    if (onWall)
+    {
+        normal = ta.flight.position - walls_.nearestPoint(sa.nextWall, ta.flight.position);
+        other = walls_.material(sa.nextWall.triangle);
+    }
+    else
+    {
+        const Traveller& tb = (*members_)[b];
+        bodyB = {tb.radius, 1/tb.mass, tb.flight.velocity, tb.spin};
+        normal = box_.shortest(ta.flight.position - tb.flight.position);
+        other = tb.material;
+    }
+    normal *= 1/norm(normal);
+    const ImpactLaw& law = laws_(ta.material, other);
+    const double closing = -dot(bodyA.velocity - bodyB.velocity, normal);
+    const double mass = 1/(bodyA.inverseMass + bodyB.inverseMass);
+    const double radius = onWall ? ta.radius
+        : ta.radius*bodyB.radius/(ta.radius + bodyB.radius);
+    const bool busy = time < sa.busyUntil || (!onWall && time < states_[b].busyUntil);
+    if (busy && !forced_) return Verdict::crowded;
+    if (!collide(bodyA, bodyB, normal, law)) return Verdict::handOver;
+
+    ++impacts_;
+    const double over = time + law.duration(mass, radius, closing);
+    busyUntil_ = std::max(busyUntil_, over);
+    sa.busyUntil = over;
+    changed(a, bodyA);
+    if (!onWall)
+    {
+        states_[b].busyUntil = over;
+        changed(b, bodyB);
+    }
+    for (std::uint32_t i = 0; i < states_.size(); ++i)
+    {
+        if (i == a || i == b) continue;
+        predictPair(std::min(a, i), std::max(a, i), time);
+        if (!onWall) predictPair(std::min(b, i), std::max(b, i), time);
+    }
+    if (!onWall) predictPair(std::min(a, b), std::max(a, b), time);
+    predictWall(a, time);
+    if (!onWall) predictWall(b, time);
+    return Verdict::done;
+}
+
+
+void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
+{
+    Traveller& t = (*members_)[a];
+    State& state = states_[a];
+    t.flight.acceleration -= t.flight.rate*(after.velocity - t.flight.velocity);
+    t.flight.velocity = after.velocity;
+    t.spin = after.spin;
+    state.bound = boundOf(t.flight, t.radius, end_ - state.since);
+    ++state.version;
+    ++state.impacts;
+    std::vector<Leg>& legs = (*legs_)[a];
+    if (legs.back().begin == state.since) legs.pop_back();
+    legs.push_back({state.since, t.flight, 0});
+}
+
+} // namespace elutria::dem

@@ -1,0 +1,184 @@
+#include "island.hpp"
+
+#include "meeting.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+constexpr double chunkSteps = 32;            // sub-steps between looks at what touches
+constexpr std::size_t smallIsland = 256;
+constexpr double chunksOfLarge = 16;         // a large island is looked at this often per step
+
+Settings forIslands(Settings settings)
+{
+    settings.threads = 1;
+    return settings;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
+{
+    return k + 1 < legs.size() ? legs[k + 1].begin : duration;
+}
+
+} // namespace
+
+
+IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& materials,
+                             const Walls& walls, const ImpactTable& laws, StepLimit stepLimit)
+  : settings_(forIslands(settings)), stepLimit_(std::move(stepLimit)),
+    events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact),
+    soft_(settings_, materials, walls)
+{}
+
+
+void IslandStepper::run(Island& island, const std::vector<Traveller>& start, double duration,
+                        const std::vector<ContactRecord>& history)
+{
+    const std::size_t n = island.particles.size();
+    island.end.clear();
+    for (const std::uint32_t i : island.particles) island.end.push_back(start[i]);
+    island.legs.assign(n, {});
+    island.impacts = island.subSteps = 0;
+    island.shortestStep = 1e300;
+    island.largestOverlap = island.impactSeconds = island.softSeconds = 0;
+    island.contacts.clear();
+
+    double time = 0;
+    bool touching = island.touching;
+    if (touching) soft_.importContacts(history);
+    while (time < duration)
+    {
+        auto clock = std::chrono::steady_clock::now();
+        if (!touching)
+        {
+            time = events_.run(island.end, time, duration, island.legs);
+            island.impacts += events_.impacts();
+            island.impactSeconds += secondsSince(clock);
+            if (time >= duration) break;
+            clock = std::chrono::steady_clock::now();
+            soft_.importContacts({});
+        }
+        time = softChunk(island, time, duration, touching);
+        island.softSeconds += secondsSince(clock);
+    }
+    if (touching) island.contacts = soft_.exportContacts();
+}
+
+
+void IslandStepper::gather(const std::vector<Traveller>& members)
+{
+    Particles& p = gathered_;
+    const std::size_t n = members.size();
+    p.id.resize(n), p.material.resize(n), p.radius.resize(n), p.mass.resize(n);
+    p.dragRate.resize(n);
+    for (VectorArray* array :
+         {&p.position, &p.velocity, &p.spin, &p.gasVelocity, &p.acceleration, &p.dragImpulse})
+        array->resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+    {
+        const Traveller& t = members[i];
+        p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
+        p.dragRate[i] = t.flight.rate;
+        p.position.set(i, t.flight.position);
+        p.velocity.set(i, t.flight.velocity);
+        p.spin.set(i, t.spin);
+        p.gasVelocity.set(i, t.gasVelocity);
+        p.acceleration.set(i, t.force);
+    }
+}
+
+
+double IslandStepper::softChunk(Island& island, double begin, double end, bool& touching)
+{
+    gather(island.end);
+    const double remaining = end - begin, limit = stepLimit_(gathered_);
+    const double needed = std::max(1.0, std::ceil(remaining/limit*(1 - 1e-12)));
+    const double wanted = island.end.size() <= smallIsland
+        ? chunkSteps : std::max(chunkSteps, std::ceil(needed/chunksOfLarge));
+    const double steps = std::min(needed, wanted);
+    const double time = steps == needed ? remaining : steps*(remaining/needed);
+
+    StepReport report;
+    soft_.run(gathered_, time, std::size_t(steps), report);
+    touching = report.touching + report.wallTouching > 0;
+    island.subSteps += std::size_t(steps);
+    island.shortestStep = std::min(island.shortestStep, time/steps);
+    island.largestOverlap = std::max(island.largestOverlap, report.largestOverlap);
+    for (std::size_t i = 0; i < island.end.size(); ++i)
+    {
+        Traveller& t = island.end[i];
+        const Vector3 moved =
+            settings_.box.shortest(gathered_.position[i] - t.flight.position);
+        const Vector3 velocity = gathered_.velocity[i];
+        Leg leg{begin, {}, 0.5*time*norm(velocity - t.flight.velocity)};
+        leg.flight.position = t.flight.position;
+        leg.flight.velocity = (1/time)*moved;
+        island.legs[i].push_back(leg);
+        t.flight = Flight(t.flight.position + moved, velocity, t.force, t.gasVelocity,
+                          t.flight.rate);
+        t.spin = gathered_.spin[i];
+        t.dragGain += (1/t.mass)*gathered_.dragImpulse[i];
+    }
+    return steps == needed ? end : begin + time;
+}
+
+
+double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double distance,
+                 const PeriodicBox& box, double duration)
+{
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size())
+    {
+        const double endA = endOf(a, i, duration), endB = endOf(b, j, duration);
+        const double begin = std::max(a[i].begin, b[j].begin), end = std::min(endA, endB);
+        if (end > begin)
+        {
+            const Flight fa = a[i].flight.at(begin - a[i].begin);
+            const Flight fb = b[j].flight.at(begin - b[j].begin);
+            const Vector3 d = fa.position - fb.position, shortest = box.shortest(d);
+            const double close = distance + a[i].slack + b[j].slack;
+            if (norm(shortest) < close*(1 - EventDriven::shallow)) return begin;
+            const Meeting m = meeting(fa, fb, d - shortest, close, 0, end - begin);
+            if (m.time < never) return begin + m.time;
+        }
+        if (endA <= endB) ++i;
+        else ++j;
+    }
+    return never;
+}
+
+
+Bound boundOf(const std::vector<Leg>& legs, double radius, double duration, const Vector3& frame)
+{
+    Vector3 low = legs[0].flight.position, high = low;
+    double slack = 0;
+    for (std::size_t k = 0; k < legs.size(); ++k)
+    {
+        const double time = endOf(legs, k, duration) - legs[k].begin;
+        slack = std::max(slack, legs[k].slack + legs[k].flight.chordDeviation(time));
+        for (const double t : {0.0, time})
+        {
+            const Vector3 p = legs[k].flight.at(t).position - (legs[k].begin + t)*frame;
+            for (int axis = 0; axis < 3; ++axis)
+            {
+                low[axis] = std::min(low[axis], p[axis]);
+                high[axis] = std::max(high[axis], p[axis]);
+            }
+        }
+    }
+    return {0.5*(low + high), radius + 0.5*norm(high - low) + slack};
+}
+
+} // namespace elutria::dem
