@@ -4,7 +4,7 @@ namespace elutria::dem
 {
 
 LawTable::LawTable(ContactLaw law, const ContactMaterials& materials)
-  : size_(materials.size()), table_(size_*size_)
+  : law_(law), size_(materials.size()), table_(size_*size_)
 {
     for (std::uint32_t a = 0; a < size_; ++a)
     {

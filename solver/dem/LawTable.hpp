@@ -14,6 +14,8 @@ class LawTable
 public:
     LawTable(ContactLaw law, const ContactMaterials& materials);
 
+    ContactLaw law() const { return law_; }
+
     const laws::Coefficients& operator()(std::uint32_t a, std::uint32_t b) const
     {
         return table_[a*size_ + b];
@@ -23,6 +25,7 @@ public:
     bool otherExponent() const { return otherExponent_; }
 
 private:
+    ContactLaw law_;
     std::size_t size_;
     std::vector<laws::Coefficients> table_;
     bool rolls_ = false, otherExponent_ = false;

@@ -1,401 +1,355 @@
 #include "SoftIntegrator.hpp"
 
+#include "threads.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace elutria::dem
 {
 
+namespace
+{
+
+bool before(const ContactRecord& a, const ContactRecord& b)
+{
+    if (a.wall != b.wall) return b.wall;
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
+} // namespace
+
 SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
                                const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(settings.law, materials)
-{}
-
-void SoftIntegrator::load(const Particles& p)
+  : settings_(settings), walls_(walls), laws_(settings.law, materials), contacts_(laws_),
+    atWalls_(laws_, walls)
 {
-    const std::size_t n = p.size();
-    keepHistory();
-    order_.resize(n);
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
-    const auto gather = [&](auto& to, const auto& from)
-    {
-        to.resize(n);
-        for (std::size_t i = 0; i < n; ++i) to[i] = from[order_[i]];
-    };
-    const auto gatherVectors = [&](VectorArray& to, const VectorArray& from)
-    {
-        to.assign(n, {});
-        if (from.empty()) return;
-        for (std::size_t i = 0; i < n; ++i) to.set(i, from[order_[i]]);
-    };
-    gather(id_, p.id);
-    gather(material_, p.material);
-    gather(radius_, p.radius);
-    gather(mass_, p.mass);
-    drag_ = !p.dragRate.empty();
-    dragRate_.assign(n, 0);
-    if (drag_) gather(dragRate_, p.dragRate);
-    gatherVectors(position_, p.position);
-    gatherVectors(velocity_, p.velocity);
-    gatherVectors(surface_, p.spin);
-    gatherVectors(gasVelocity_, p.gasVelocity);
-    gatherVectors(acceleration_, p.acceleration);
-    push_.assign(n, {});
-    for (std::size_t i = 0; i < n; ++i)
-    {
-        position_.set(i, settings_.box.wrapped(position_[i]));
-        surface_.set(i, radius_[i]*surface_[i]);
-        push_.set(i, acceleration_[i] + dragRate_[i]*gasVelocity_[i]);
-    }
-    velocityBase_ = velocity_;
-    surfaceBase_ = surface_;
-    dragImpulse_.assign(n, {});
-    force_.assign(n, {});
-    moment_.assign(n, {});
+    cloud_.box = settings.box;
 }
 
-void SoftIntegrator::store(Particles& p) const
+// ---------------------------------------------------------------------------------- history
+
+std::vector<ContactRecord> SoftIntegrator::exportContacts() const
 {
-    if (drag_) p.dragImpulse.resize(p.size());
-    for (std::size_t i = 0; i < id_.size(); ++i)
+    if (!valid_) return kept_;
+    std::vector<ContactRecord> records;
+    for (const LastingPair& p : contacts_.lasting())
     {
-        const std::uint32_t k = order_[i];
-        p.position.set(k, settings_.box.wrapped(position_[i]));
-        p.velocity.set(k, velocity_[i]);
-        p.spin.set(k, (1/radius_[i])*surface_[i]);
-        if (drag_) p.dragImpulse.set(k, dragImpulse_[i]);
+        ContactRecord r{cloud_.id(p.first), cloud_.id(p.second), false, {p.x, p.y, p.z}};
+        if (r.first > r.second)
+        {
+            std::swap(r.first, r.second);
+            r.tangential = -r.tangential;
+        }
+        records.push_back(r);
     }
+    for (const LastingWall& w : atWalls_.lasting())
+    {
+        records.push_back({cloud_.id(w.particle), w.feature, true, w.stretch});
+    }
+    std::sort(records.begin(), records.end(), before);
+    return records;
 }
 
-void SoftIntegrator::buildLists(double skin)
+void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
 {
-    keepHistory();
-    skin_ = skin;
-    built_ = position_;
-    std::vector<double> reach(radius_);
-    for (double& r : reach) r += 0.5*skin;
-    std::vector<Pair> found;
-    findPairs({id_.size(), position_.x.data(), position_.y.data(), position_.z.data(),
-               reach.data()}, settings_.box, settings_.search, settings_.cellLayers, found);
-    const auto remembered = [&](std::uint64_t first, std::uint64_t second, bool wall)
-    {
-        const auto before = [](const ContactRecord& a, const ContactRecord& b)
-        {
-            if (a.wall != b.wall) return b.wall;
-            return a.first != b.first ? a.first < b.first : a.second < b.second;
-        };
-        const ContactRecord key{first, second, wall, {}};
-        const auto at = std::lower_bound(kept_.begin(), kept_.end(), key, before);
-        return at != kept_.end() && !before(key, *at) ? &*at : nullptr;
-    };
-    pairs_.clear();
-    for (const Pair& pair : found)     // order_ is by id, so first has the smaller id
-    {
-        PairContact contact{pair.first, pair.second, {}};
-        if (const ContactRecord* r = remembered(id_[pair.first], id_[pair.second], false))
-        {
-            contact.history = {r->tangential, true};
-        }
-        pairs_.push_back(contact);
-    }
-    wallCandidates_.clear();
-    for (std::uint32_t i = 0; i < id_.size(); ++i)
-    {
-        if (walls_.distanceBound(position_[i]) > reach[i]) continue;
-        WallCandidate candidate{i, {}, {}};
-        walls_.collect(position_[i], reach[i], candidate.images);
-        if (candidate.images.empty()) continue;
-        for (const ContactRecord& r : kept_)
-        {
-            if (r.wall && r.first == id_[i])
-            {
-                candidate.histories.push_back({r.second, {r.tangential, true}});
-            }
-        }
-        wallCandidates_.push_back(std::move(candidate));
-    }
-    kept_.clear();
+    kept_ = records;
+    std::sort(kept_.begin(), kept_.end(), before);
+    valid_ = false;
 }
 
-bool SoftIntegrator::listsHold() const
+/// Puts the history away under ids, before the cloud changes.
+void SoftIntegrator::keep()
 {
-    const double limit = 0.25*skin_*skin_;
-    for (std::size_t i = 0; i < id_.size(); ++i)
-    {
-        if (!(squaredNorm(position_[i] - built_[i]) < limit)) return false;
-    }
-    return true;
+    kept_ = exportContacts();
+    valid_ = false;
 }
 
-void SoftIntegrator::keepHistory()
+/// Gives the history put away to the contact tables.
+void SoftIntegrator::install()
 {
-    for (const PairContact& c : pairs_)
+    std::vector<LastingPair> pairs;
+    std::vector<LastingWall> walls;
+    const std::vector<std::uint32_t> byId =
+        kept_.empty() ? std::vector<std::uint32_t>{} : cloud_.byId();
+    for (const ContactRecord& r : kept_)
     {
-        if (c.history.touching)
+        const std::uint32_t i = cloud_.find(byId, r.first);
+        if (i == Cloud::none) continue;
+        if (r.wall)
         {
-            kept_.push_back({id_[c.first], id_[c.second], false, c.history.tangential});
+            walls.push_back({i, r.second, r.tangential});
+            continue;
         }
+        const std::uint32_t j = cloud_.find(byId, r.second);
+        if (j == Cloud::none) continue;
+        const Vector3 s = i < j ? r.tangential : -r.tangential;
+        pairs.push_back({std::min(i, j), std::max(i, j), float(s.x), float(s.y), float(s.z)});
     }
-    for (const WallCandidate& w : wallCandidates_)
+    std::sort(pairs.begin(), pairs.end(), [](const LastingPair& a, const LastingPair& b)
     {
-        for (const auto& [feature, history] : w.histories)
-        {
-            if (history.touching)
-            {
-                kept_.push_back({id_[w.particle], feature, true, history.tangential});
-            }
-        }
-    }
-    pairs_.clear();
-    wallCandidates_.clear();
-    std::sort(kept_.begin(), kept_.end(), [](const ContactRecord& a, const ContactRecord& b)
-    {
-        if (a.wall != b.wall) return b.wall;
         return a.first != b.first ? a.first < b.first : a.second < b.second;
+    });
+    std::sort(walls.begin(), walls.end(), [](const LastingWall& a, const LastingWall& b)
+    {
+        return a.particle != b.particle ? a.particle < b.particle : a.feature < b.feature;
+    });
+    kept_.clear();
+    contacts_.reset(cloud_.size(), pairs);
+    atWalls_.reset(contacts_.chunks(), walls);
+}
+
+// ------------------------------------------------------------------------------------ lists
+
+/// Skin of the neighbour list: the least cost per sub-step of rebuilds (about 200 ns per particle)
+/// and of the candidates looked through at every refresh.
+double SoftIntegrator::listSkin() const
+{
+    if (settings_.skin > 0) return settings_.skin;
+    const double radius = cloud_.mean;
+    if (settings_.search == NeighbourSearch::bruteForce
+        || settings_.search == NeighbourSearch::cells)
+    {
+        return 0.05*cloud_.smallest;
+    }
+    const double speed = std::max(fastestInFrame_, std::sqrt(0.2*cloud_.strongestPush*radius));
+    const double way = 2*speed*step_;
+    double best = 0, least = 1e300;
+    for (double skin = 0.1*radius; skin <= 2*radius; skin *= 1.25)
+    {
+        const double reach = 1 + 0.5*skin/radius, candidates = 1.2*reach*reach*reach;
+        const double nearPairs = std::sqrt(way/(0.06*radius));     // refreshes per sub-step
+        const double cost = 200*way/skin + 3*candidates*std::min(1.0, nearPairs);
+        if (cost < least) least = cost, best = skin;
+    }
+    return std::max(best, 8*way);
+}
+
+/// Margin of the near pairs: the least cost per sub-step of refreshes (about 20 ns per particle)
+/// and of near pairs that do not touch.
+double SoftIntegrator::nearMargin() const
+{
+    const double way = 2*std::max(fastestInFrame_, 1e-9)*step_;
+    const double margin = std::sqrt(20*way*cloud_.mean/50);
+    return std::clamp(margin, 3*way + 1e-6*cloud_.smallest, 0.5*skin_ + 3*way);
+}
+
+void SoftIntegrator::rebuild()
+{
+    if (valid_) keep();
+    skin_ = listSkin();
+    cloud_.sort(2*cloud_.mean + skin_);
+    const Row* rows = cloud_.rows.data();
+    const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, &rows->radius, skin_,
+                          sizeof(Row)/sizeof(double)};
+    findPairs(spheres, cloud_.box, settings_.search, settings_.cellLayers, settings_.threads,
+              list_);
+    install();
+    valid_ = true;
+    sinceRebuild_ = 0;
+    ++rebuilds_;
+    refresh();
+}
+
+void SoftIntegrator::refresh()
+{
+    margin_ = nearMargin();
+    contacts_.refresh(cloud_, list_, margin_, settings_.threads);
+    if (!walls_.empty())
+    {
+        wallMargin_ = std::max(0.25*cloud_.mean, 8*fastest_*step_);
+        forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+        {
+            atWalls_.refresh(c, cloud_, ContactTable::chunkBegin(c), contacts_.chunkEnd(c),
+                             wallMargin_);
+        });
+        sinceWalls_ = 0;
+    }
+    sinceRefresh_ = 0;
+    ++refreshes_;
+}
+
+/// Refreshes or rebuilds unless nothing unseen can touch after the way gone so far.
+void SoftIntegrator::ensureLists()
+{
+    const bool everyStep = settings_.search == NeighbourSearch::bruteForce
+                           || settings_.search == NeighbourSearch::cells;
+    if (!valid_ || (everyStep && sinceRebuild_ > 0)) return rebuild();
+    const bool wallsHold = walls_.empty() || sinceWalls_ < wallMargin_;
+    if (2*sinceRefresh_ < margin_ && wallsHold) return;
+    if (2*sinceRebuild_ + nearMargin() > skin_) return rebuild();
+    refresh();
+}
+
+// ----------------------------------------------------------------------------------- motion
+
+void SoftIntegrator::load(const Particles& particles, double step)
+{
+    step_ = step;
+    if (valid_ && !cloud_.holds(particles)) keep();
+    const double shifted = cloud_.load(particles, step);
+    mean_ = cloud_.frame;
+    double fastest2 = 0, inFrame2 = 0;
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+    {
+        const Base& b = cloud_.bases[i];
+        const Vector3 v{b.vx, b.vy, b.vz};
+        fastest2 = std::max(fastest2, squaredNorm(v));
+        inFrame2 = std::max(inFrame2, squaredNorm(v - cloud_.frame));
+    }
+    fastest_ = std::sqrt(fastest2), fastestInFrame_ = std::sqrt(inFrame2);
+    if (valid_)
+    {
+        sinceRebuild_ += shifted;
+        sinceRefresh_ += shifted;
+        sinceWalls_ += shifted;
+    }
+}
+
+/// Forces on all particles; leaves those from other chunks and from walls to receive().
+void SoftIntegrator::evaluate(StepWeights weights)
+{
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        contacts_.evaluate(c, cloud_, weights);
+        if (laws_.rolls()) contacts_.addRolling(c, cloud_, weights);
     });
 }
 
-template<ContactLaw law>
-void SoftIntegrator::evaluatePairsWith(StepWeights w, StepReport* report)
+void SoftIntegrator::receive(std::size_t chunk, StepWeights weights)
 {
-    std::size_t touching = 0;
-    double largest = 0;
-    for (PairContact& c : pairs_)
+    contacts_.receive(chunk, cloud_);
+    atWalls_.evaluate(chunk, cloud_, weights);
+}
+
+/// base + sign*(h phi2 a): between base and velocity.
+void SoftIntegrator::kick(std::size_t chunk, double sign)
+{
+    for (std::size_t i = ContactTable::chunkBegin(chunk); i < contacts_.chunkEnd(chunk); ++i)
     {
-        const std::uint32_t i = c.first, j = c.second;
-        const Vector3 apart = settings_.box.shortest(position_[i] - position_[j]);
-        const double sum = radius_[i] + radius_[j], distance2 = squaredNorm(apart);
-        if (distance2 >= sum*sum && !c.history.touching) continue;
-        const double distance = std::sqrt(distance2), share = distance/sum;
-        Encounter e;
-        e.normal = (1/distance)*apart;
-        e.overlap = sum - distance;
-        e.slip = velocity_[i] - velocity_[j] - share*cross(surface_[i] + surface_[j], e.normal);
-        e.radius = radius_[i]*radius_[j]/sum;
-        e.mass = mass_[i]*mass_[j]/(mass_[i] + mass_[j]);
-        const Vector3 past = velocity_[i] - velocity_[j];
-        e.turning = (1/distance)*(past - dot(past, e.normal)*e.normal);
-        const ContactForce f =
-            contactForce<law>(laws_(material_[i], material_[j]), e, c.history, w);
-        const Vector3 total = f.normal*e.normal + f.tangential;
-        const Vector3 moment = -share*cross(e.normal, f.tangential);
-        force_.set(i, force_[i] + total);
-        force_.set(j, force_[j] - total);
-        moment_.set(i, moment_[i] + moment);
-        moment_.set(j, moment_[j] + moment);
-        touching += c.history.touching;
-        largest = std::max(largest, e.overlap/std::min(radius_[i], radius_[j]));
-    }
-    if (report)
-    {
-        report->touching = touching;
-        report->largestOverlap = std::max(report->largestOverlap, largest);
+        Base& b = cloud_.bases[i];
+        const Load& l = cloud_.loads[i];
+        const double second = cloud_.forcing.empty() ? 0.5*step_ : cloud_.forcing[i].second;
+        const double s = sign*second*b.inverseMass, t = sign*0.5*step_*2.5*b.inverseMass;
+        b.vx += s*l.fx, b.vy += s*l.fy, b.vz += s*l.fz;
+        b.sx += t*l.mx, b.sy += t*l.my, b.sz += t*l.mz;
     }
 }
 
-void SoftIntegrator::evaluatePairs(StepWeights w, StepReport* report)
+/// First evaluation: velocities are those of the caller.
+void SoftIntegrator::start()
 {
-    switch (settings_.law)
+    const StepWeights weights{0, 0.5*step_};
+    evaluate(weights);
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
-        case ContactLaw::linear: return evaluatePairsWith<ContactLaw::linear>(w, report);
-        case ContactLaw::hertz: return evaluatePairsWith<ContactLaw::hertz>(w, report);
-        case ContactLaw::springSliderDashpot:
-            return evaluatePairsWith<ContactLaw::springSliderDashpot>(w, report);
-    }
+        receive(c, weights);
+        kick(c, -1);
+    });
 }
 
-void SoftIntegrator::evaluateWalls(StepWeights w, StepReport* report)
+/// One step of all particles, after what is left of the forces at its start.
+void SoftIntegrator::move(StepWeights weights, bool received)
 {
-    std::vector<WallContact> found;
-    std::vector<std::pair<std::uint64_t, ContactHistory>> next;
-    std::size_t touching = 0;
-    for (WallCandidate& candidate : wallCandidates_)
+    works_.resize(contacts_.chunks());
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
-        const std::uint32_t i = candidate.particle;
-        const Vector3 position = position_[i];
-        walls_.contacts(position, radius_[i], 0.5*skin_, candidate.images, found);
-        next.clear();
-        for (const WallContact& wall : found)
-        {
-            ContactHistory history;
-            for (const auto& [feature, old] : candidate.histories)
-            {
-                if (feature == wall.feature) history = old;
-            }
-            if (wall.gap >= 0 && !history.touching) continue;
-            Encounter e;
-            e.normal = wall.normal;
-            e.overlap = -wall.gap;
-            const double share = (radius_[i] + wall.gap)/radius_[i];
-            e.slip = velocity_[i] - share*cross(surface_[i], e.normal);
-            e.radius = radius_[i];
-            e.mass = mass_[i];
-            const laws::Coefficients& c = laws_(material_[i], wall.material);
-            const ContactForce f = settings_.law == ContactLaw::linear
-                ? contactForce<ContactLaw::linear>(c, e, history, w)
-                : settings_.law == ContactLaw::hertz
-                ? contactForce<ContactLaw::hertz>(c, e, history, w)
-                : contactForce<ContactLaw::springSliderDashpot>(c, e, history, w);
-            force_.set(i, force_[i] + f.normal*e.normal + f.tangential);
-            moment_.set(i, moment_[i] - share*cross(e.normal, f.tangential));
-            if (history.touching) next.push_back({wall.feature, history}), ++touching;
-            if (report)
-            {
-                report->largestOverlap = std::max(report->largestOverlap, e.overlap/radius_[i]);
-            }
-        }
-        candidate.histories.assign(next.begin(), next.end());
-    }
-    if (report) report->wallTouching = touching;
-}
-
-void SoftIntegrator::evaluate(StepWeights w, StepReport* report)
-{
-    const std::size_t n = id_.size();
-    force_.assign(n, {});
-    moment_.assign(n, {});
-    evaluatePairs(w, report);
-    evaluateWalls(w, report);
-}
-
-/// phi1 = (1 - exp(-z))/z, phi2 = (z - 1 + exp(-z))/z^2, series where these cancel.
-static void exponentialWeights(double z, double& phi1, double& phi2)
-{
-    if (z < 1e-2)
+        if (!received) receive(c, weights);
+        MoveWork& w = works_[c];
+        w.begin = ContactTable::chunkBegin(c), w.end = contacts_.chunkEnd(c);
+        w.rows = cloud_.rows.data(), w.bases = cloud_.bases.data();
+        w.loads = cloud_.loads.data();
+        w.forcing = cloud_.forcing.empty() ? nullptr : cloud_.forcing.data();
+        w.step = step_;
+        for (int a = 0; a < 3; ++a) w.push[a] = cloud_.push[a], w.frame[a] = mean_[a];
+        kernels().move(w);
+    });
+    double fastest2 = 0, inFrame2 = 0;
+    Vector3 sum;
+    for (const MoveWork& w : works_)
     {
-        phi1 = 1 - z/2*(1 - z/3*(1 - z/4*(1 - z/5*(1 - z/6))));
-        phi2 = 0.5*(1 - z/3*(1 - z/4*(1 - z/5*(1 - z/6*(1 - z/7)))));
-        return;
+        fastest2 = std::max(fastest2, w.fastest);
+        inFrame2 = std::max(inFrame2, w.fastestInFrame);
+        sum += {w.sum[0], w.sum[1], w.sum[2]};
     }
-    phi1 = -std::expm1(-z)/z;
-    phi2 = (1 - phi1)/z;
-}
-
-void SoftIntegrator::prepareStep(double step)
-{
-    step_ = step;
-    const std::size_t n = id_.size();
-    decay_.resize(n), first_.resize(n), second_.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
+    if (!std::isfinite(squaredNorm(sum)))
     {
-        double phi1, phi2;
-        const double z = dragRate_[i]*step;
-        exponentialWeights(z, phi1, phi2);
-        decay_[i] = std::exp(-z);
-        first_[i] = step*phi1;
-        second_[i] = step*phi2;
+        throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
+                                 + std::to_string(step_) + " s)");
     }
+    fastest_ = std::sqrt(fastest2), fastestInFrame_ = std::sqrt(inFrame2);
+    cloud_.frame = mean_;                  // the rows' from now on
+    mean_ = (1/double(cloud_.size()))*sum;
+    sinceRebuild_ += fastestInFrame_*step_;
+    sinceRefresh_ += fastestInFrame_*step_;
+    sinceWalls_ += fastest_*step_;
 }
 
-/// From t to t + h: positions, predicted velocities; contact forces are those of t.
-void SoftIntegrator::startStep()
-{
-    for (std::size_t i = 0; i < id_.size(); ++i)
-    {
-        const double inverse = 1/mass_[i];
-        const Vector3 contact = inverse*force_[i], spinUp = 2.5*inverse*moment_[i];
-        const Vector3 v = velocityBase_[i] + second_[i]*contact;
-        const Vector3 total = push_[i] + contact;
-        const Vector3 moved = first_[i]*v + step_*second_[i]*total;
-        const Vector3 predicted = decay_[i]*v + first_[i]*total;
-        if (drag_)
-        {
-            // m k (u h - moved), with the contact force taken as constant
-            dragImpulse_.set(i, dragImpulse_[i] + mass_[i]*dragRate_[i]
-                                    *(step_*gasVelocity_[i] - moved));
-        }
-        position_.set(i, position_[i] + moved);
-        velocity_.set(i, predicted);
-        velocityBase_.set(i, predicted - second_[i]*contact);
-        const Vector3 s = surfaceBase_[i] + 0.5*step_*spinUp;
-        surface_.set(i, s + step_*spinUp);
-        surfaceBase_.set(i, s + 0.5*step_*spinUp);
-    }
-}
-
+/// Base velocities become the velocities.
 void SoftIntegrator::finish()
 {
-    for (std::size_t i = 0; i < id_.size(); ++i)
+    const StepWeights weights{0.5*step_, 0};
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
-        const double inverse = 1/mass_[i];
-        velocity_.set(i, velocityBase_[i] + (second_[i]*inverse)*force_[i]);
-        surface_.set(i, surfaceBase_[i] + (0.5*step_*2.5*inverse)*moment_[i]);
-    }
+        receive(c, weights);
+        kick(c, 1);
+    });
 }
 
 void SoftIntegrator::run(Particles& particles, double duration, std::size_t subSteps,
                          StepReport& report)
 {
-    load(particles);
-    if (id_.empty()) return;
-    prepareStep(duration/double(subSteps));
-    const double skin = settings_.skin > 0 ? settings_.skin
-        : 0.4*(*std::min_element(radius_.begin(), radius_.end()));
-    buildLists(skin);
-    report.listBuilds = 1;
-    evaluate({0, 0.5*step_}, &report);
-    // v(t) = base + second*F/m must hold for the first step: take the force out of the base
-    for (std::size_t i = 0; i < id_.size(); ++i)
-    {
-        velocityBase_.set(i, velocity_[i] - (second_[i]/mass_[i])*force_[i]);
-        surfaceBase_.set(i, surface_[i] - (0.5*step_*2.5/mass_[i])*moment_[i]);
-    }
+    load(particles, duration/double(subSteps));
+    if (cloud_.size() == 0) return;
+    const std::size_t rebuilds = rebuilds_;
+    ensureLists();
+    start();
     for (std::size_t s = 1; s <= subSteps; ++s)
     {
-        startStep();
-        if (!listsHold())
-        {
-            buildLists(skin);
-            ++report.listBuilds;
-        }
-        evaluate({0.5*step_, s == subSteps ? 0 : 0.5*step_}, &report);
+        move({0.5*step_, 0.5*step_}, s == 1);
+        ensureLists();
+        evaluate({0.5*step_, s == subSteps ? 0 : 0.5*step_});
     }
     finish();
-    store(particles);
-    report.subSteps = subSteps;
+    cloud_.store(particles, duration);
+    report.subSteps += subSteps;
     report.step = step_;
-    report.candidates = pairs_.size();
-    report.softParticles = id_.size();
+    report.candidates = list_.size();
+    report.touching = contacts_.touching();
+    report.wallTouching = atWalls_.touching();
+    report.softParticles += cloud_.size();
+    report.listBuilds += rebuilds_ - rebuilds;
+    report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
+                                      atWalls_.takeLargestOverlap()});
+    report.bytes = bytes();
 }
 
 void SoftIntegrator::contactForces(const Particles& particles, double step, VectorArray& force,
                                    VectorArray& torque)
 {
-    load(particles);
     force.assign(particles.size(), {});
     torque.assign(particles.size(), {});
-    if (id_.empty()) return;
-    buildLists(settings_.skin > 0 ? settings_.skin
-        : 0.4*(*std::min_element(radius_.begin(), radius_.end())));
-    evaluate({0.5*step, 0.5*step}, nullptr);
-    for (std::size_t i = 0; i < id_.size(); ++i)
+    load(particles, step);
+    if (cloud_.size() == 0) return;
+    ensureLists();
+    const StepWeights weights{0.5*step, 0.5*step};
+    evaluate(weights);
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { receive(c, weights); });
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
     {
-        force.set(order_[i], force_[i]);
-        torque.set(order_[i], radius_[i]*moment_[i]);
+        const Load& l = cloud_.loads[i];
+        const double r = cloud_.rows[i].radius;
+        force.set(cloud_.caller(i), {l.fx, l.fy, l.fz});
+        torque.set(cloud_.caller(i), {r*l.mx, r*l.my, r*l.mz});
     }
 }
 
-std::vector<ContactRecord> SoftIntegrator::exportContacts() const
+std::size_t SoftIntegrator::bytes() const
 {
-    SoftIntegrator copy(*this);
-    copy.keepHistory();
-    return copy.kept_;
-}
-
-void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
-{
-    pairs_.clear();
-    wallCandidates_.clear();
-    kept_ = records;
-    std::sort(kept_.begin(), kept_.end(), [](const ContactRecord& a, const ContactRecord& b)
-    {
-        if (a.wall != b.wall) return b.wall;
-        return a.first != b.first ? a.first < b.first : a.second < b.second;
-    });
+    return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
+           + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
+           + works_.capacity()*sizeof(MoveWork);
 }
 
 } // namespace elutria::dem

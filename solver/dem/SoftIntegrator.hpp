@@ -1,8 +1,10 @@
 #pragma once
 
+#include "Cloud.hpp"
+#include "ContactTable.hpp"
 #include "Engine.hpp"
 #include "LawTable.hpp"
-#include "contact.hpp"
+#include "WallTable.hpp"
 #include "search.hpp"
 
 #include <vector>
@@ -12,14 +14,25 @@ namespace elutria::dem
 
 /// Moves spheres in equal sub-steps with the soft contact law.
 ///
-/// Each sub-step: the linear drag and the constant acceleration are followed exactly, contacts
-/// with second order (exponential trapezoid, which is velocity Verlet without drag). Forces are
-/// evaluated at the new positions with velocities predicted for the end of the sub-step.
+/// Each sub-step follows the linear drag and the constant acceleration exactly and contacts with
+/// second order (an exponential trapezoid; without drag it is velocity Verlet). With the contact
+/// acceleration a and phi1, phi2 of flight.hpp at k h:
+///   x(t+h) = x + h phi1 v + h^2 phi2 (A + a)
+///   v*     = exp(-k h) v + h phi1 (A + a)         predicted, for the forces of t+h
+///   v(t+h) = v* + h phi2 (a(t+h) - a)
+/// Between evaluations Base holds v* - h phi2 a, so that v = base + h phi2 a(t+h).
+///
+/// Three clocks: every sub-step moves and evaluates the near pairs; a refresh chooses the near pairs
+/// from the neighbour list; a rebuild sorts the particles and searches neighbours. The last two come
+/// when something may have moved by half their margin, bounded by the sum of the steps of the
+/// fastest particle (relative to the common motion for pairs). Margins follow from the speeds and
+/// a fixed model of costs, never from a clock: the same input gives the same bits.
 class SoftIntegrator
 {
 public:
     SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
                    const Walls& walls);
+    SoftIntegrator(const SoftIntegrator&) = delete;
 
     void run(Particles& particles, double duration, std::size_t subSteps, StepReport& report);
 
@@ -30,53 +43,41 @@ public:
     void importContacts(const std::vector<ContactRecord>& records);
 
 private:
-    struct PairContact
-    {
-        std::uint32_t first, second;
-        ContactHistory history;
-    };
-    struct WallCandidate
-    {
-        std::uint32_t particle;
-        std::vector<Walls::Image> images;
-        std::vector<std::pair<std::uint64_t, ContactHistory>> histories;
-    };
+    void load(const Particles& particles, double step);
+    void keep();
+    void install();
+    void rebuild();
+    void refresh();
+    void ensureLists();
+    double listSkin() const;
+    double nearMargin() const;
 
-    void load(const Particles&);
-    void store(Particles&) const;
-    void buildLists(double skin);
-    bool listsHold() const;
-    void keepHistory();
-    void evaluate(StepWeights, StepReport*);
-    void evaluatePairs(StepWeights, StepReport*);
-    void evaluateWalls(StepWeights, StepReport*);
-    template<ContactLaw law> void evaluatePairsWith(StepWeights, StepReport*);
-    void prepareStep(double step);
-    void startStep();
+    void evaluate(StepWeights weights);
+    void receive(std::size_t chunk, StepWeights weights);
+    void start();
+    void move(StepWeights weights, bool received);
     void finish();
+    void kick(std::size_t chunk, double sign);
+    std::size_t bytes() const;
 
     const Settings& settings_;
     const Walls& walls_;
     LawTable laws_;
+    Cloud cloud_;
+    PairList list_;
+    ContactTable contacts_;
+    WallTable atWalls_;
+    std::vector<ContactRecord> kept_;        // history waiting for lists, by id
+    std::vector<MoveWork> works_;            // of the chunks
 
-    // in the engine's own order: along the cells, then by id
-    std::vector<std::uint32_t> order_;           // engine index -> caller's index
-    std::vector<std::uint64_t> id_;
-    std::vector<std::uint32_t> material_;
-    std::vector<double> radius_, mass_, dragRate_;
-    VectorArray position_, velocity_, surface_;  // velocity and radius*spin, predicted
-    VectorArray velocityBase_, surfaceBase_;     // without the step's own contact part
-    VectorArray gasVelocity_, acceleration_, push_;   // push: acceleration + drag*gas velocity
-    VectorArray force_, moment_;                 // moment: torque over radius
-    VectorArray dragImpulse_;
-    VectorArray built_;                          // positions the lists were made at
-    std::vector<double> decay_, first_, second_; // exp(-k h), h phi1, h phi2
-    double step_ = 0, skin_ = 0;
-    bool drag_ = false;
-
-    std::vector<PairContact> pairs_;
-    std::vector<WallCandidate> wallCandidates_;
-    std::vector<ContactRecord> kept_;            // sorted; history waiting for the next lists
+    double step_ = 0;
+    Vector3 mean_;                           // m/s, of the predicted velocities
+    bool valid_ = false;                     // lists fit the cloud
+    double skin_ = 0, margin_ = 0, wallMargin_ = 0;
+    double sinceRebuild_ = 0, sinceRefresh_ = 0;   // m, ways bounded from above
+    double sinceWalls_ = 0;                  // m, not relative to the common motion
+    double fastest_ = 0, fastestInFrame_ = 0;      // m/s
+    std::size_t rebuilds_ = 0, refreshes_ = 0;
 };
 
 } // namespace elutria::dem

@@ -89,4 +89,16 @@ inline ContactForce contactForce(const laws::Coefficients& c, const Encounter& e
             {p.tangential.x, p.tangential.y, p.tangential.z}};
 }
 
+/// Torque on first that resists rolling, N m: coefficient x elastic force x effective radius against
+/// the relative spin (Zhou et al. 1999, doi 10.1016/S0378-4371(99)00183-1, model A), but never
+/// more than stops the spin within the step. `inertia` is 1/(1/I_i + 1/I_j).
+inline Vector3 rollingTorque(const laws::Coefficients& c, double elastic, double radius,
+                             double inertia, const Vector3& relativeSpin, StepWeights w)
+{
+    const double speed = norm(relativeSpin);
+    if (!(speed > 0)) return {};
+    const double torque = std::min(c.rolling*elastic*radius, inertia*speed/w.step());
+    return (-torque/speed)*relativeSpin;
+}
+
 } // namespace elutria::dem

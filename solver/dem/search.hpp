@@ -9,12 +9,18 @@
 namespace elutria::dem
 {
 
-/// Spheres as the neighbour searches see them: borrowed arrays of equal length.
+/// Spheres as the neighbour searches see them: borrowed arrays of equal length, `stride` doubles
+/// from one value to the next.
 struct Spheres
 {
     std::size_t size;
     const double *x, *y, *z;
-    const double* reach;      // m; two spheres are neighbours when closer than the sum of theirs
+    const double* radius;     // m
+    double skin = 0;          // m; neighbours are closer than the sum of radii plus the skin
+    std::size_t stride = 1;
+
+    double reach(std::size_t i) const { return radius[i*stride] + 0.5*skin; }
+    Vector3 position(std::size_t i) const { return {x[i*stride], y[i*stride], z[i*stride]}; }
 };
 
 struct Pair
@@ -28,8 +34,27 @@ struct Pair
     }
 };
 
-/// All pairs of neighbours, each once, ascending; periodic directions by the shortest image, for
-/// which the box must be at least twice the largest sum of reaches wide.
+/// All pairs of neighbours, each once, by first: those of `i` are
+/// second[begin[i]] .. second[begin[i + 1] - 1], ascending, all above i.
+struct PairList
+{
+    std::vector<std::uint32_t> begin, second;
+
+    std::size_t size() const { return second.size(); }
+    std::vector<Pair> pairs() const;
+};
+
+/// Finds all pairs of neighbours; periodic directions by the shortest image, for which the box must
+/// be at least twice the largest sum of reaches wide.
+///  bruteForce              every pair is tried
+///  cells                   one grid; `cellLayers` layers of cells span the largest reach
+///  verlet                  one grid with cells as wide as the largest reach
+///  hierarchical, automatic grids of doubling width, each particle in the one of its size
+/// The result does not depend on the method nor on the number of threads.
+void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+               int cellLayers, unsigned threads, PairList& list);
+
+/// The same as one array of pairs, ascending.
 void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
                int cellLayers, std::vector<Pair>& pairs);
 

@@ -1,0 +1,339 @@
+#include "ContactTable.hpp"
+
+#include "threads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elutria::dem
+{
+
+void ContactTable::Arrays::clear()
+{
+    first.clear(), second.clear(), x.clear(), y.clear(), z.clear(), touching.clear();
+    count = inside = 0;
+}
+
+void ContactTable::Arrays::push(std::uint32_t i, std::uint32_t j, const float stretch[3],
+                                bool touches)
+{
+    first.push_back(i), second.push_back(j);
+    x.push_back(stretch[0]), y.push_back(stretch[1]), z.push_back(stretch[2]);
+    touching.push_back(touches);
+}
+
+void ContactTable::Arrays::close()
+{
+    count = first.size();
+    x.resize(count + contactBlock), y.resize(count + contactBlock), z.resize(count + contactBlock);
+    touching.resize(count + contactBlock, 0);
+}
+
+std::size_t ContactTable::Arrays::bytes() const
+{
+    return 4*(first.capacity() + second.capacity() + x.capacity() + y.capacity() + z.capacity())
+           + touching.capacity();
+}
+
+ContactTable::ContactTable(const LawTable& laws) : laws_(laws), law_(laws.law())
+{
+    for (std::uint32_t a = 0; a < laws.size(); ++a)
+    {
+        for (std::uint32_t b = 0; b < laws.size(); ++b)
+        {
+            const laws::Coefficients& c = laws(a, b);
+            coefficients_.push_back({float(c.stiffness), float(c.elastic), float(c.damping),
+                                     float(c.shear), float(c.shearDamping), float(c.friction),
+                                     float(c.cohesion), float(c.rolling), float(c.exponent)});
+        }
+    }
+}
+
+void ContactTable::reset(std::size_t particles, const std::vector<LastingPair>& lasting)
+{
+    particles_ = particles;
+    chunks_.resize((particles + chunkSize - 1)/chunkSize);
+    std::size_t k = 0;
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+    {
+        Arrays& arrays = chunks_[c].current;
+        arrays.clear();
+        const std::size_t begin = k, end = chunkEnd(c);
+        const auto add = [&](bool inside)
+        {
+            for (k = begin; k < lasting.size() && lasting[k].first < end; ++k)
+            {
+                const LastingPair& p = lasting[k];
+                if ((p.second < end) == inside) arrays.push(p.first, p.second, &p.x, true);
+            }
+        };
+        add(true);
+        arrays.inside = arrays.first.size();
+        add(false);
+        arrays.close();
+    }
+}
+
+void ContactTable::refresh(const Cloud& cloud, const PairList& list, double margin,
+                           unsigned threads)
+{
+    forEach(threads, chunks_.size(),
+            [&](std::size_t c) { refreshChunk(c, cloud, list, margin); });
+    connect();
+}
+
+void ContactTable::refreshChunk(std::size_t c, const Cloud& cloud, const PairList& list,
+                                double margin)
+{
+    Chunk& chunk = chunks_[c];
+    const Arrays& old = chunk.current;
+    Arrays& next = chunk.next;
+    next.clear();
+    static const float none[3] = {0, 0, 0};
+    const std::size_t begin = chunkBegin(c), end = chunkEnd(c);
+    const Row* rows = cloud.rows.data();
+    const PeriodicBox& box = cloud.box;
+    const bool wraps = box.any();
+    const auto choose = [&](std::size_t at, std::size_t stop, bool inside)
+    {
+        for (std::uint32_t i = std::uint32_t(begin); i < end; ++i)
+        {
+            const Row& a = rows[i];
+            for (std::uint32_t k = list.begin[i]; k < list.begin[i + 1]; ++k)
+            {
+                const std::uint32_t j = list.second[k];
+                if ((j < end) != inside) continue;
+                while (at < stop && (old.first[at] < i || (old.first[at] == i && old.second[at] < j)))
+                {
+                    ++at;
+                }
+                const bool lasts = at < stop && old.first[at] == i && old.second[at] == j
+                                   && old.touching[at];
+                const Row& b = rows[j];
+                Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
+                if (wraps) apart = box.shortest(apart);
+                const double reach = a.radius + b.radius + margin;
+                if (lasts)
+                {
+                    const float stretch[3] = {old.x[at], old.y[at], old.z[at]};
+                    next.push(i, j, stretch, true);
+                }
+                else if (squaredNorm(apart) < reach*reach) next.push(i, j, none, false);
+            }
+        }
+    };
+    choose(0, old.inside, true);
+    next.inside = next.first.size();
+    choose(old.inside, old.count, false);
+    next.close();
+    std::swap(chunk.current, chunk.next);
+    chunk.across.resize(chunk.current.count - chunk.current.inside);
+}
+
+void ContactTable::connect()
+{
+    for (Chunk& chunk : chunks_) chunk.incoming.clear();
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+    {
+        const Arrays& a = chunks_[c].current;
+        for (std::size_t k = a.inside; k < a.count; ++k)
+        {
+            const std::uint32_t j = a.second[k];
+            chunks_[j/chunkSize].incoming.push_back(
+                {std::uint32_t(c), std::uint32_t(k - a.inside), j});
+        }
+    }
+}
+
+struct ContactTable::Job
+{
+    Chunk& chunk;
+    const Cloud& cloud;
+    const LawTable& laws;
+    StepWeights weights;
+};
+
+template<ContactLaw law>
+Contribution ContactTable::transition(void* self, std::size_t k)
+{
+    const Job& job = *static_cast<Job*>(self);
+    Arrays& arrays = job.chunk.current;
+    const std::uint32_t i = arrays.first[k], j = arrays.second[k];
+    const Row &a = job.cloud.rows[i], &b = job.cloud.rows[j];
+    const Vector3 apart = job.cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z});
+    const double distance = norm(apart), sum = a.radius + b.radius, share = distance/sum;
+    const Vector3 past{double(a.vx) - b.vx, double(a.vy) - b.vy, double(a.vz) - b.vz};
+    const Vector3 surface{double(a.sx) + b.sx, double(a.sy) + b.sy, double(a.sz) + b.sz};
+    Encounter e;
+    e.normal = (1/distance)*apart;
+    e.overlap = sum - distance;
+    e.slip = past - share*cross(surface, e.normal);
+    e.radius = a.radius*b.radius/sum;
+    e.mass = 1/(double(a.inverseMass) + b.inverseMass);
+    e.turning = (1/distance)*(past - dot(past, e.normal)*e.normal);
+    ContactHistory history{{arrays.x[k], arrays.y[k], arrays.z[k]}, arrays.touching[k] != 0};
+    const laws::Coefficients& c = job.laws(job.cloud.material(i), job.cloud.material(j));
+    const ContactForce f = contactForce<law>(c, e, history, job.weights);
+    arrays.x[k] = float(history.tangential.x);
+    arrays.y[k] = float(history.tangential.y);
+    arrays.z[k] = float(history.tangential.z);
+    arrays.touching[k] = history.touching;
+    const Vector3 force = f.normal*e.normal + f.tangential;
+    const Vector3 moment = -share*cross(e.normal, f.tangential);
+    return {float(force.x), float(force.y), float(force.z), 0,
+            float(moment.x), float(moment.y), float(moment.z), 0};
+}
+
+void ContactTable::evaluate(std::size_t index, Cloud& cloud, StepWeights weights)
+{
+    Chunk& chunk = chunks_[index];
+    Arrays& a = chunk.current;
+    Job job{chunk, cloud, laws_, weights};
+    PairWork work;
+    work.rows = cloud.rows.data();
+    work.contacts = {a.count, a.first.data(), a.second.data(), a.x.data(), a.y.data(),
+                     a.z.data(), a.touching.data()};
+    work.inside = a.inside;
+    work.loads = cloud.loads.data();
+    work.across = chunk.across.data();
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        const bool wraps = cloud.box.periodic[axis];
+        work.length[axis] = wraps ? cloud.box.high[axis] - cloud.box.low[axis] : 0;
+        work.inverseLength[axis] = wraps ? 1/work.length[axis] : 0;
+    }
+    work.before = weights.before;
+    work.after = weights.after;
+    work.coefficients = coefficients_.data();
+    work.material = cloud.materials.empty() ? nullptr : cloud.materials.data();
+    work.materials = laws_.size();
+    work.self = &job;
+    int kernel = 0;
+    switch (law_)
+    {
+        case ContactLaw::linear:
+            work.transition = transition<ContactLaw::linear>;
+            break;
+        case ContactLaw::hertz:
+            kernel = 1;
+            work.transition = transition<ContactLaw::hertz>;
+            break;
+        case ContactLaw::springSliderDashpot:
+            kernel = laws_.otherExponent() ? 3 : 2;
+            work.transition = transition<ContactLaw::springSliderDashpot>;
+            break;
+    }
+    kernels().pairs[kernel](work);
+    chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
+}
+
+void ContactTable::addRolling(std::size_t index, Cloud& cloud, StepWeights weights)
+{
+    Chunk& chunk = chunks_[index];
+    const Arrays& arrays = chunk.current;
+    for (std::size_t k = 0; k < arrays.count; ++k)
+    {
+        if (!arrays.touching[k]) continue;
+        const std::uint32_t i = arrays.first[k], j = arrays.second[k];
+        const Row &a = cloud.rows[i], &b = cloud.rows[j];
+        const double overlap = a.radius + b.radius
+            - norm(cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z}));
+        const laws::Coefficients& c = laws_(cloud.material(i), cloud.material(j));
+        const double radius = a.radius*b.radius/(a.radius + b.radius);
+        const double stiffness = law_ == ContactLaw::linear
+            ? laws::stiffness<ContactLaw::linear>(c, radius, overlap)
+            : laws::stiffness<ContactLaw::hertz>(c, radius, overlap);
+        const double inertia = 0.4/(a.inverseMass/(a.radius*a.radius)
+                                    + b.inverseMass/(b.radius*b.radius));
+        const Vector3 spin = (1/a.radius)*Vector3{a.sx, a.sy, a.sz}
+                             - (1/b.radius)*Vector3{b.sx, b.sy, b.sz};
+        const Vector3 torque = rollingTorque(c, c.elastic*stiffness*overlap, radius, inertia, spin,
+                                             weights);
+        const Vector3 onFirst = (1/a.radius)*torque, onSecond = (-1/b.radius)*torque;
+        Load& first = cloud.loads[i];
+        first.mx += onFirst.x, first.my += onFirst.y, first.mz += onFirst.z;
+        if (k < arrays.inside)
+        {
+            Load& second = cloud.loads[j];
+            second.mx += onSecond.x, second.my += onSecond.y, second.mz += onSecond.z;
+        }
+        else
+        {
+            Contribution& second = chunk.across[k - arrays.inside];
+            second.mx += float(onSecond.x);
+            second.my += float(onSecond.y);
+            second.mz += float(onSecond.z);
+        }
+    }
+}
+
+void ContactTable::receive(std::size_t index, Cloud& cloud) const
+{
+    for (const Incoming& in : chunks_[index].incoming)
+    {
+        const Contribution& c = chunks_[in.chunk].across[in.slot];
+        Load& load = cloud.loads[in.particle];
+        load.fx -= c.fx, load.fy -= c.fy, load.fz -= c.fz;
+        load.mx += c.mx, load.my += c.my, load.mz += c.mz;
+    }
+}
+
+double ContactTable::takeLargestOverlap()
+{
+    double largest = 0;
+    for (Chunk& chunk : chunks_)
+    {
+        largest = std::max(largest, double(chunk.largestOverlap));
+        chunk.largestOverlap = 0;
+    }
+    return largest;
+}
+
+std::vector<LastingPair> ContactTable::lasting() const
+{
+    std::vector<LastingPair> all;
+    for (const Chunk& chunk : chunks_)
+    {
+        const Arrays& a = chunk.current;
+        for (std::size_t k = 0; k < a.count; ++k)
+        {
+            if (a.touching[k]) all.push_back({a.first[k], a.second[k], a.x[k], a.y[k], a.z[k]});
+        }
+    }
+    std::sort(all.begin(), all.end(), [](const LastingPair& a, const LastingPair& b)
+    {
+        return a.first != b.first ? a.first < b.first : a.second < b.second;
+    });
+    return all;
+}
+
+std::size_t ContactTable::touching() const
+{
+    std::size_t count = 0;
+    for (const Chunk& c : chunks_)
+    {
+        count += std::size_t(std::count(c.current.touching.begin(),
+                                        c.current.touching.begin() + c.current.count, 1));
+    }
+    return count;
+}
+
+std::size_t ContactTable::size() const
+{
+    std::size_t count = 0;
+    for (const Chunk& c : chunks_) count += c.current.count;
+    return count;
+}
+
+std::size_t ContactTable::bytes() const
+{
+    std::size_t sum = 0;
+    for (const Chunk& c : chunks_)
+    {
+        sum += c.current.bytes() + c.next.bytes() + c.across.capacity()*sizeof(Contribution)
+               + c.incoming.capacity()*sizeof(Incoming);
+    }
+    return sum;
+}
+
+} // namespace elutria::dem
