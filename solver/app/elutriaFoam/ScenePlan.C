@@ -63,11 +63,11 @@ ScenePlan::choice ScenePlan::readChoice
     {
         return choice::automatic;
     }
-    if (value == "on")
+    if (value == "on" || value == "yes" || value == "true")
     {
         return choice::on;
     }
-    if (value != "off")
+    if (value != "off" && value != "no" && value != "false")
     {
         FatalIOErrorInFunction(dict)
             << entry << " is " << value << ", allowed: auto, on, off"
