@@ -58,6 +58,8 @@ void ElutriaCloud::findModels()
         !contacts_
      && !isType<NoCollision<collidingCloudType>>(collision());
 
+    inertialDispersion_ = dynamic_cast<InertialDispersion*>(&dispersion());
+
     auto& injectors = const_cast<InjectionModelList<kinematicCloudType>&>
     (
         this->injectors()
@@ -176,9 +178,19 @@ void ElutriaCloud::sampleGas
     const scalar mass = p.mass();
 
     p.setCellValues(*this, td);
+    const scalar massEff = forces().massEff(p, td, mass);
+
+    if (inertialDispersion_)
+    {
+        const forceSuSp mean = forces().calcCoupled
+        (
+            p, td, dt, mass, p.Re(td), td.muc()
+        );
+        inertialDispersion_->relaxationTime = massEff/max(mean.Sp(), VSMALL);
+    }
+    seedRandom(p);
     p.calcDispersion(*this, td, dt);
 
-    const scalar massEff = forces().massEff(p, td, mass);
     const forceSuSp free = forces().calcNonCoupled
     (
         p, td, dt, mass, p.Re(td), td.muc()
@@ -216,6 +228,22 @@ void ElutriaCloud::sampleGas
     all.gasVelocity.set(i, toEngine(td.Uc()));
     all.acceleration.set(i, toEngine(acceleration));
     effectiveMass_[i] = massEff;
+}
+
+
+void ElutriaCloud::seedRandom(const parcelType& p)
+{
+    const uint64_t seed = feed_ ? feed_->seed() : 0;
+    rndGen() = Random
+    (
+        label
+        (
+            scrambled
+            (
+                seed + scrambled(parcelName(p)) + uint64_t(time().timeIndex())
+            )
+        )
+    );
 }
 
 
@@ -474,6 +502,7 @@ ElutriaCloud::ElutriaCloud
     injection_(nullptr),
     recorder_(nullptr),
     contacts_(nullptr),
+    inertialDispersion_(nullptr),
     stockMotion_(false),
     impulse_(mesh().nCells(), Zero),
     window_(0),

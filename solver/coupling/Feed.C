@@ -25,16 +25,6 @@ namespace
 
 constexpr scalar piBy6 = constant::mathematical::pi/6;
 
-//- Scrambles 64 bits: Stafford's variant 13 of the MurmurHash3 finaliser,
-//- http://zimbry.blogspot.com/2011/09/better-bit-mixing-improving-on.html
-uint64_t mix(uint64_t z)
-{
-    z = (z ^ (z >> 30))*0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27))*0x94d049bb133111ebULL;
-    return z ^ (z >> 31);
-}
-
-
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
     const scalar value = dict.get<scalar>(entry);
@@ -376,14 +366,14 @@ void Feed::readSchedule(const word& phaseName)
     duration_ = readPositive(*this, "duration");
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
-    seed_ = mix(uint64_t(get<label>("seed")) + 0x9e3779b97f4a7c15ULL);
+    seed_ = scrambled(uint64_t(get<label>("seed")) + 0x9e3779b97f4a7c15ULL);
 }
 
 
 scalar Feed::random(const label i, const label k) const
 {
     const uint64_t bits =
-        mix(seed_ + mix((uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1));
+        scrambled(seed_ + scrambled((uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1));
 
     // 53 bits: the mantissa of a double
     return scalar(bits >> 11)*0x1.0p-53;

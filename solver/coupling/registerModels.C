@@ -11,6 +11,7 @@ Description
 
 #include "basicKinematicCollidingCloud.H"
 #include "CellListCollision.H"
+#include "ContinuousDispersion.H"
 #include "FeedInjection.H"
 #include "OutletRecorder.H"
 #include "LawDragForce.H"
@@ -32,6 +33,7 @@ typedef basicKinematicCollidingCloud::collidingCloudType collidingCloud_;
 enterModel(CellListCollision, CollisionModel, collidingCloud_)
 enterModel(FeedInjection, InjectionModel, kinematicCloud_)
 enterModel(OutletRecorder, CloudFunctionObject, kinematicCloud_)
+enterModel(ContinuousDispersion, DispersionModel, kinematicCloud_)
 
 #define enterDragLaw(Law)                                                      \
     typedef LawDragForce<kinematicCloud_, dragLaws::Law> Law##Force_;          \
