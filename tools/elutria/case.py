@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import math
 import shutil
+import tempfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,7 +74,7 @@ class Case:
     def feed(self) -> Feed:
         """constant/feed, checked, its patches too where the mesh's patches are known."""
         feed = read_feed(self.path)
-        patches = self.patches()
+        source, patches = self.patches()
         shown = self.dictionary("constant/feed").file
         named = [(f"outlets/{k}", patch) for k, names in feed.outlets.items() for patch in names]
         if feed.place_is_patch:
@@ -81,7 +82,7 @@ class Case:
         for entry, patch in named:
             if patches and patch not in patches:
                 raise InputError(
-                    f"{shown}: {entry}: no patch '{patch}' in the mesh"
+                    f"{shown}: {entry}: no patch '{patch}' in {source}"
                     f"{suggestion(patch, patches)}; allowed: {', '.join(patches)}"
                 )
         return feed
@@ -95,7 +96,11 @@ class Case:
         """Magnitude of constant/g, m/s2."""
         if not (self.path / "constant/g").is_file():
             return GRAVITY
-        return math.hypot(*self.dictionary("constant/g").numbers("value", 3))
+        entries = self.dictionary("constant/g")
+        size = math.hypot(*entries.numbers("value", 3))
+        if not 0 < size <= 1e4:
+            raise entries.refuse("value", "a vector of 0 to 1e4 m/s2")
+        return size
 
     def gas(self) -> Gas:
         """Density and viscosity of the gas, from constant/transportProperties."""
@@ -103,9 +108,9 @@ class Case:
         phase = next((entries.word(k) for k in ("continuousPhase", "continuousPhaseName")
                       if k in entries), "air")  # fmt: skip
         name = next((k for k in (f"rho.{phase}", "rho", "rhoInf") if k in entries), f"rho.{phase}")
-        density = entries.number(name, above=0, unit="kg/m3")
+        density = entries.number(name, at_least=1e-3, at_most=1e4, unit="kg/m3")
         model = entries.sub(phase) if "nu" not in entries and phase in entries else entries
-        return Gas(density, density * model.number("nu", above=0, unit="m2/s"))
+        return Gas(density, density * model.number("nu", at_least=1e-9, at_most=1, unit="m2/s"))
 
     def drag_laws(self) -> list[str]:
         """The drag forces of the cloud, as its dictionary names them."""
@@ -127,18 +132,17 @@ class Case:
             )
         return self.dictionary(f"constant/{found[0].name}")
 
-    def patches(self) -> list[str]:
-        """Names of the mesh's patches, from the mesh or blockMeshDict; empty when not known."""
-        boundary = self.path / "constant/polyMesh/boundary"
-        block_mesh = self.path / "system/blockMeshDict"
-        if boundary.is_file():
-            entries = read_list(boundary, self.path)
-        elif block_mesh.is_file() and not (self.path / "Allrun.pre").is_file():
-            raw = self.dictionary("system/blockMeshDict", with_included=True)
-            entries = raw.raw("boundary", [])
+    def patches(self) -> tuple[str, list[str]]:
+        """The file that names the mesh's patches, and their names; none when not known yet."""
+        mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
+        if (self.path / mesh).is_file():
+            source, entries = mesh, read_list(self.path / mesh, self.path)
+        elif (self.path / plan).is_file() and not (self.path / "Allrun.pre").is_file():
+            source = plan
+            entries = self.dictionary(plan, with_included=True).raw("boundary", [])
         else:
-            return []
-        return [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
+            return "", []
+        return source, [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
 
     def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
         """The settings of one run, checked to lie within the case."""
@@ -180,6 +184,13 @@ class Case:
         for setting in settings:
             set_entry(folder / setting.file, setting.entry, setting.value, folder)
         return copy
+
+    def check_settings(self, settings: Iterable[Setting]) -> None:
+        """Raise InputError when the case, with `settings` applied, is not one that can be run."""
+        with tempfile.TemporaryDirectory() as folder:
+            copy = self.copy_to(Path(folder) / self.name, settings)
+            copy.velocity()
+            copy.feed()
 
     def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
         """Hash of all that decides a run: the case's files, the settings, the processors."""

@@ -31,7 +31,7 @@ def _table(title: str, *columns: str) -> Table:
 
 def _setting(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
     table = _table(f"{case.name}: what was understood", "what", "value", "from")
-    patches = case.patches()
+    source, patches = case.patches()
     table.add_row("gas velocity", f"{velocity:g} m/s", "system/simulationParameters")
     table.add_row(
         "gas", f"{gas.density:g} kg/m3, {gas.viscosity:.3g} Pa s", "constant/transportProperties"
@@ -42,7 +42,7 @@ def _setting(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
     table.add_row("fed through", place, "constant/feed")
     for product, names in feed.outlets.items():
         table.add_row(f"{product} leave through", ", ".join(names), "constant/feed")
-    table.add_row("patches", ", ".join(patches) or "known after meshing", "the mesh")
+    table.add_row("patches", ", ".join(patches) or "known after meshing", source or "the mesh")
     if feed.loading is not None:
         table.add_row("loading", f"{feed.loading:g} kg solids per kg gas", "constant/feed")
     else:

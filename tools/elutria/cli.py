@@ -75,7 +75,7 @@ def run(
         parse_velocities(repr(velocity))
     settings = source.settings_for(velocity, set_ or [])
     speed = source.velocity() if velocity is None else velocity
-    source.feed()
+    source.check_settings(settings)
     folder = (to or Path("results") / source.name / f"U{speed:.12g}").resolve()
     _refuse_overlap(source.path, folder)
     with ProgressDisplay(console) as display:

@@ -26,10 +26,17 @@ _INCLUDES = {"#include": True, "#sinclude": False, "#includeIfPresent": False}
 class Dictionary:
     """One (sub)dictionary: entries taken from it are checked, those left over can be refused."""
 
-    def __init__(self, entries: Mapping[str, Any], file: str, path: tuple[str, ...] = ()):
+    def __init__(
+        self,
+        entries: Mapping[str, Any],
+        file: str,
+        path: tuple[str, ...] = (),
+        included: tuple[str, ...] = (),
+    ):
         self.entries = dict(entries)
         self.file = file
         self.path = path
+        self.included = included
         self._taken: set[str] = set()
 
     def where(self, name: str = "") -> str:
@@ -40,7 +47,11 @@ class Dictionary:
     def refuse(self, name: str, allowed: str) -> InputError:
         """The error that `name` has a value which is not allowed."""
         value = one_line(self.entries.get(name, "is missing"), 60)
-        return InputError(f"{self.where(name)}: {value}; allowed: {allowed}")
+        return InputError(f"{self.where(name)}: {value}; allowed: {allowed}{self._also()}")
+
+    def _also(self) -> str:
+        """Where else a value may come from."""
+        return f" (included: {', '.join(self.included)})" if self.included else ""
 
     def __contains__(self, name: str) -> bool:
         return name in self.entries
@@ -65,7 +76,7 @@ class Dictionary:
             if isinstance(token, str) and token.startswith("$"):
                 raise InputError(
                     f"{self.where(name)}: {one_line(token, 40)} is defined nowhere; "
-                    f"allowed: {allowed}, or the name of an entry above it"
+                    f"allowed: {allowed}, or the name of an entry above it{self._also()}"
                 )
         return value
 
@@ -123,7 +134,7 @@ class Dictionary:
         value = self.raw(name, default, allowed="a dictionary { ... }")
         if not isinstance(value, Mapping):
             raise self.refuse(name, "a dictionary { ... }")
-        return Dictionary(value, self.file, (*self.path, name))
+        return Dictionary(value, self.file, (*self.path, name), self.included)
 
     def refuse_unknown(self, known: Iterable[str]) -> None:
         """Raise InputError for the first entry that is none of `known`: a misspelling is found."""
@@ -166,8 +177,9 @@ def read_dictionary(
     shown = _shown(path, case)
     raw = _parse(path, shown)
     resolved: dict[str, Any] = {}
-    _load(raw, path, case, resolved, depth=0)
-    return Dictionary({k: v for k, v in resolved.items() if with_included or k in raw}, shown)
+    included = _load(raw, path, case, resolved, depth=0)
+    entries = {k: v for k, v in resolved.items() if with_included or k in raw}
+    return Dictionary(entries, shown, included=tuple(included))
 
 
 def read_list(path: Path, case: Path | None = None) -> list[Any]:
@@ -196,37 +208,38 @@ def _parse(path: Path, shown: str) -> dict[Any, Any]:
         raise InputError(f"{shown}: is not an OpenFOAM dictionary: {one_line(error)}") from error
     if not isinstance(parsed, Mapping):
         return {None: parsed}
-    if not hasattr(parsed, "getall"):
-        return dict(parsed)
-    return {key: parsed.getall(key) if key in _INCLUDES else parsed[key] for key in parsed}
+    repeated = getattr(parsed, "getall", lambda key: [parsed[key]])
+    return {key: repeated(key) if key in _INCLUDES else parsed[key] for key in parsed}
 
 
 def _load(
     raw: Mapping[Any, Any], path: Path, case: Path | None, scope: dict[str, Any], depth: int
-) -> None:
+) -> list[str]:
     """Put the entries of included files and of `raw` into `scope`, in order, macros resolved.
 
     As in OpenFOAM a macro stands for what was read before it: `seed $seed;` takes an included one.
+    Returns the names of the included files.
     """
     if depth > 10:
         raise InputError(f"{_shown(path, case)}: #include goes round in a circle")
+    included: list[str] = []
     for key, value in raw.items():
         if key in _INCLUDES:
-            for name in value if isinstance(value, list) else [value]:
-                included = path.parent / str(name).strip('"').replace("<case>", str(case or "."))
-                if _INCLUDES[key] or included.is_file():
-                    if not included.is_file():
-                        raise InputError(
-                            f"{_shown(path, case)}: {key} {one_line(name, 60)}: file not found"
-                        )
-                    nested = _parse(included, _shown(included, case))
-                    _load(nested, included, case, scope, depth + 1)
+            for word in value:
+                name = str(word).strip('"')
+                target = path.parent / name.replace("<case>", str(case or "."))
+                if target.is_file():
+                    nested = _parse(target, _shown(target, case))
+                    included += [name, *_load(nested, target, case, scope, depth + 1)]
+                elif _INCLUDES[key]:
+                    shown = one_line(name, 60)
+                    raise InputError(f"{_shown(path, case)}: {key} {shown}: file not found")
+        elif isinstance(key, str) and key.startswith("$"):
+            merged = _look_up(key, [scope])
+            scope.update(merged if isinstance(merged, Mapping) else {})
         elif isinstance(key, str) and not key.startswith("#"):
-            if key.startswith("$"):
-                merged = _look_up(key, [scope])
-                scope.update(merged if isinstance(merged, Mapping) else {})
-            else:
-                scope[key] = _resolve(value, [scope])
+            scope[key] = _resolve(value, [scope])
+    return included
 
 
 def _resolve(value: Any, scopes: list[Mapping[str, Any]]) -> Any:

@@ -76,7 +76,7 @@ def read_feed(case: Path) -> Feed:
     place, is_patch = _read_place(entries)
     loading, rate = _read_rate(entries)
     duration = entries.number("duration", inf, above=0, unit="s")
-    particles = entries.number("particles", None, at_least=1)
+    particles = entries.number("particles", None, at_least=1, at_most=1e12)
     if particles is not None and particles != int(particles):
         raise entries.refuse("particles", "a whole number >= 1")
     if duration == inf and particles is None:
@@ -118,7 +118,7 @@ def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
         )
     if "loading" in entries:
         return entries.number("loading", above=0, at_most=1000, unit="kg solids per kg gas"), None
-    return None, entries.number("massFlowRate", above=0, unit="kg/s")
+    return None, entries.number("massFlowRate", above=0, at_most=1e6, unit="kg/s")
 
 
 def _read_seed(entries: Dictionary) -> int:
@@ -149,7 +149,7 @@ def _read_materials(entries: Dictionary) -> list[Material]:
         materials.append(
             Material(
                 name=name,
-                density=entry.number("density", above=0, unit="kg/m3"),
+                density=entry.number("density", at_least=1, at_most=3e4, unit="kg/m3"),
                 sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
                 sizes=read_size_distribution(entry.sub("sizeDistribution")),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from elutria.errors import ElutriaError, InputError, one_line
+
+_NOT_THE_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EMFILE, errno.ENOMEM)
 
 
 @contextmanager
@@ -21,14 +24,12 @@ def writing_to(folder: Path) -> Iterator[None]:
     """
     try:
         yield
-    except (PermissionError, NotADirectoryError, FileExistsError, IsADirectoryError) as error:
-        raise InputError(
-            f"{error.filename or folder}: cannot be written ({error.strerror}); "
-            "choose a folder you may write to with --to"
-        ) from error
     except OSError as error:
-        raise ElutriaError(
-            f"{error.filename or folder}: writing failed ({error.strerror or one_line(error)})"
+        place, reason = error.filename or folder, error.strerror or one_line(error)
+        if error.errno in _NOT_THE_PLACE:
+            raise ElutriaError(f"{place}: writing failed ({reason})") from error
+        raise InputError(
+            f"{place}: cannot be written ({reason}); choose a folder you may write to with --to"
         ) from error
 
 

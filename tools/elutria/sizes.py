@@ -20,6 +20,9 @@ from elutria.dictionary import Dictionary
 
 Array = NDArray[np.float64]
 
+SMALLEST, LARGEST = 1e-8, 0.5
+"""Sizes (m) beyond which a number is more likely in another unit."""
+
 _BOUNDS = ("type", "min", "max", "weighting")
 ENTRIES = {
     "RosinRammler": (*_BOUNDS, "d63", "n"),
@@ -114,11 +117,15 @@ def read_size_distribution(entry: Dictionary) -> SizeDistribution:
     entry.refuse_unknown(ENTRIES[kind])
     weighting = entry.word("weighting", ("mass", "number"), default="mass")
     if kind == "fixedValue":
-        return tabulated(kind, np.array([entry.number("value", above=0, unit="m")]), np.ones(1))
+        return tabulated(
+            kind,
+            np.array([entry.number("value", at_least=SMALLEST, at_most=LARGEST, unit="m")]),
+            np.ones(1),
+        )
     if kind == "table":
         return _read_table(entry, weighting)
-    low = entry.number("min", above=0, unit="m")
-    high = entry.number("max", above=low, unit="m, above min")
+    low = entry.number("min", at_least=SMALLEST, at_most=LARGEST, unit="m")
+    high = entry.number("max", above=low, at_most=LARGEST, unit="m, above min")
     cdf = _law(kind, entry)
     ends = cdf(np.array([low, high]))
     if not ends[1] - ends[0] > 1e-9:
@@ -128,25 +135,26 @@ def read_size_distribution(entry: Dictionary) -> SizeDistribution:
 
 def _law(kind: str, entry: Dictionary) -> Callable[[Array], Array]:
     if kind == "RosinRammler":
-        size = entry.number("d63", above=0, unit="m")
+        size = entry.number("d63", above=0, at_most=LARGEST, unit="m")
         exponent = entry.number("n", above=0, at_most=100)
         # in units of d63, where the law's coefficient is 1
         return np.vectorize(lambda d: cdf_Rosin_Rammler(d / size, 1.0, exponent))
     if kind == "logNormal":
-        median = entry.number("d50", above=0, unit="m")
+        median = entry.number("d50", above=0, at_most=LARGEST, unit="m")
         deviation = entry.number("sigma", above=1, unit="geometric standard deviation")
         return np.vectorize(lambda d: cdf_lognormal(d, median, log(deviation)))
     if kind == "normal":
-        mean = entry.number("mean", above=0, unit="m")
-        width = entry.number("standardDeviation", above=0, unit="m")
+        mean = entry.number("mean", above=0, at_most=LARGEST, unit="m")
+        width = entry.number("standardDeviation", above=0, at_most=LARGEST, unit="m")
         return lambda d: np.asarray(ndtr((d - mean) / width))
     return lambda d: d
 
 
 def _read_table(entry: Dictionary, weighting: str) -> SizeDistribution:
     diameters = np.array(entry.numbers("diameters"))
-    if diameters.size < 2 or diameters[0] <= 0 or np.any(np.diff(diameters) <= 0):
-        raise entry.refuse("diameters", "two or more rising sizes > 0 (m)")
+    rising = diameters.size > 1 and bool(np.all(np.diff(diameters) > 0))
+    if not rising or diameters[0] < SMALLEST or diameters[-1] > LARGEST:
+        raise entry.refuse("diameters", f"rising sizes from {SMALLEST:g} to {LARGEST:g} (m)")
     shares = np.array(entry.numbers("cumulative", diameters.size))
     if shares[0] != 0 or abs(shares[-1] - 1) > 1e-12 or np.any(np.diff(shares) < 0):
         raise entry.refuse("cumulative", "rising shares from 0 to 1, one per diameter")

@@ -89,7 +89,6 @@ def plan(
     """The runs of a sweep, checked as far as possible without running anything."""
     if replicates < 1:
         raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
-    case.feed()
     seed = 0
     if replicates > 1:
         parameters = case.dictionary(PARAMETERS, with_included=True)
@@ -105,6 +104,7 @@ def plan(
             members.append(
                 Member(velocity, replicate, folder / f"U{velocity:.12g}{suffix}", tuple(settings))
             )
+    case.check_settings(members[0].settings)
     return members
 
 

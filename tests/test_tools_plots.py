@@ -1,0 +1,122 @@
+"""Figures for a paper's column: drawn from the csv files alone, readable, with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+from elutria import plots
+from elutria.classify import Classification, classify
+from elutria.curves import MODELS
+from elutria.events import Account, Events, Run
+from elutria.files import write_csv
+from elutria.theory import COLUMNS
+
+MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
+
+
+def synthetic(velocity: float, materials: list[str], number: int = 2_000) -> Run:
+    random = np.random.default_rng(int(velocity * 10))
+    name = random.choice(materials, number)
+    diameter = random.lognormal(np.log(600e-6), 0.45, number)
+    cut = np.array([MATERIALS[m][1] for m in name]) * velocity
+    coarse = random.random(number) < MODELS[0].share(diameter / cut, 2.0)
+    events = Events(
+        material=name,
+        outlet=np.where(coarse, "coarse", "fines"),
+        diameter=diameter,
+        density=np.array([MATERIALS[m][0] for m in name]),
+        number=np.ones(number),
+        time=np.zeros(number),
+    )
+    fed = (float(number), float(events.mass.sum()))
+    none = (0.0, 0.0)
+    account = Account(fed, {"fines": none, "coarse": fed}, none, none)
+    return Run(events, {**dict.fromkeys(materials, account), "all": account})
+
+
+def results(folder: Path, velocities: list[float], materials: list[str]) -> Path:
+    tables = Classification()
+    for velocity in velocities:
+        tables.extend(classify(synthetic(velocity, materials), velocity, 1.0))
+    tables.write(folder)
+    rows = [
+        {"gas_velocity_m_s": u, "material": m, "law": "Clift", "cut_size_m": u * MATERIALS[m][1]}
+        for m in materials
+        for u in (2.0, 5.0, 9.0)
+    ]
+    write_csv(folder / "theory.csv", COLUMNS, rows)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "velocities, materials",
+    [([4.0, 5.0, 6.5, 8.0], ["quartz"]), ([5.0], ["quartz"]), ([4.0, 6.0], list(MATERIALS))],
+    ids=["sweep", "one velocity", "two materials"],
+)
+def test_figures_come_from_the_tables(
+    tmp_path: Path, velocities: list[float], materials: list[str]
+) -> None:
+    paths = plots.write_figures(results(tmp_path, velocities, materials))
+    assert [path.name for path in paths] == [
+        "partition_curves.png", "cut_size.png", "size_distributions.png",
+    ]  # fmt: skip
+    for path in paths:
+        height, width = imread(path).shape[:2]
+        assert width == pytest.approx(85 / 25.4 * 300, abs=2)
+        assert 0.5 < height / width < 2.2
+
+
+@pytest.fixture
+def drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
+    """The figures of a sweep with two materials, by name."""
+    kept: dict[str, Figure] = {}
+    save: Callable[[Figure, Path], Path] = plots.save
+
+    def keep(figure: Figure, path: Path) -> Path:
+        kept[path.name] = figure
+        return save(figure, path)
+
+    monkeypatch.setattr(plots, "save", keep)
+    plots.write_figures(results(tmp_path, [4.0, 5.0, 6.0], list(MATERIALS)))
+    return kept
+
+
+def test_all_letters_can_be_read(drawn: dict[str, Figure]) -> None:
+    for figure in drawn.values():
+        texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text()]
+        assert min(text.get_fontsize() for text in texts) >= 7
+
+
+def test_axes_have_units(drawn: dict[str, Figure]) -> None:
+    for name in ("partition_curves.png", "size_distributions.png"):
+        axes = drawn[name].axes
+        assert "µm" in axes[-1].get_xlabel()
+        assert all(a.get_xscale() == "log" and a.get_ylabel() for a in axes)
+    (axes,) = drawn["cut_size.png"].axes
+    assert "m/s" in axes.get_xlabel()
+    assert "µm" in axes.get_ylabel()
+
+
+def test_velocities_are_told_apart_without_colour() -> None:
+    colours = plots.velocity_colours([3.0, 4, 5, 6, 7, 8, 9, 10])
+    brightness = [np.dot(colour[:3], (0.299, 0.587, 0.114)) for colour in colours.values()]
+    assert np.all(np.diff(brightness) > 0.04)
+    assert mpl.colors.to_rgb(plots.MATERIAL_COLOURS[0]) != mpl.colors.to_rgb(
+        plots.MATERIAL_COLOURS[1]
+    )
+
+
+def test_a_fitted_curve_survives_its_csv(tmp_path: Path) -> None:
+    folder = results(tmp_path, [5.0], ["quartz"])
+    row = plots.read_csv(folder / "fit.csv", ["model"])[0]
+    curve = plots.curve_of(row)
+    summary = plots.read_csv(folder / "summary.csv", ["d50_m"])[0]
+    assert curve.share(np.array([summary["d50_m"]])) == pytest.approx(0.5, abs=1e-6)
