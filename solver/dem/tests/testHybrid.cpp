@@ -313,12 +313,13 @@ TEST_CASE("hybrid: overlaps without a history give no energy")
 TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
 {
     const Walls walls(shapes::box({0, 0, 0}, {8e-3, 8e-3, 60e-3}, 2));
-    double height[2], energy[2];
+    double height[2], energy[2], whole = 0;
     for (const bool soft : {false, true})
     {
         Uniform random(21);
         Particles p = cloud(random, {0, 0, 0}, {8e-3, 8e-3, 16e-3}, 5, 0.4e-3, 0.7e-3, 0.1);
         addGravity(p);
+        whole = potential(p);
         Engine engine(with(soft ? ContactTreatment::soft : ContactTreatment::automatic),
                       grains(0.6, 0.4, 1e6), walls);
         StepReport report;
@@ -332,8 +333,8 @@ TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
     MESSAGE("mean height " << height[0] << " soft " << height[1] << " energy " << energy[0]
             << " soft " << energy[1]);
     CHECK(height[0] == doctest::Approx(height[1]).epsilon(0.03));
-    CHECK(energy[0] < 1e-9);
-    CHECK(energy[1] < 1e-9);
+    CHECK(energy[0] < 1e-4*whole);
+    CHECK(energy[1] < 1e-4*whole);
 }
 
 TEST_CASE("hybrid: a particle in a corner stays there and rests")
@@ -399,16 +400,17 @@ TEST_CASE("hybrid: soak of random scenes: no nan, no escape, energy bounded")
         Particles p = cloud(random, box.low, box.high, perSide, smallest, largest, speed);
         for (std::size_t i = 0; i < p.size(); ++i) p.spin.set(i, random.vector(500));
         addGravity(p, random(0, 20));
+        // stiff enough that the soft law's overlaps stay small beside the radii
+        const double young = 2e3*2500*(speed + 1)*(speed + 1)*std::pow(10, random(0, 1.5));
         const bool drag = scene % 2;
         const Vector3 gas = random.vector(3);
         if (drag)
         {
             p.gasVelocity.assign(p.size(), gas);
+            const double strongest = 1e-3*young/(2500*largest*(norm(gas) + speed));
             for (std::size_t i = 0; i < p.size(); ++i)
-                p.dragRate.push_back(std::pow(10, random(-2, 6)));
+                p.dragRate.push_back(std::pow(10, random(-2, std::log10(strongest))));
         }
-        // stiff enough that the soft law's overlaps stay small beside the radii
-        const double young = 2e3*2500*(speed + 1)*(speed + 1)*std::pow(10, random(0, 1.5));
         Engine engine(settings, grains(random(0.1, 1), random(0, 1), young), walls);
         double energy = scenes::kineticEnergy(p) + potential(p);
         const double scale = scenes::kineticEnergy(p) + std::abs(potential(p));
