@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -96,3 +97,9 @@ def test_scripts_can_be_started_and_bash_understands_them() -> None:
     for file in [*(ROOT / "etc").rglob("*"), *ROOT.glob("All*"), *(ROOT / "solver").glob("All*")]:
         if file.is_file():
             subprocess.run(["bash", "-n", str(file)], check=True)
+
+
+def test_python_code_is_clean() -> None:
+    ruff = [sys.executable, "-m", "ruff", "check", "--quiet", "tools", "tests"]
+    run = subprocess.run(ruff, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.stdout + run.stderr == ""
