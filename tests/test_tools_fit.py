@@ -117,6 +117,17 @@ def test_intervals_cover_for_all_models(
     assert np.all((covered >= 0.90) & (covered <= 0.99)), covered
 
 
+def test_bands_cover_the_curve_as_often_as_they_say() -> None:
+    sizes = np.array([450e-6, 600e-6, 700e-6, 850e-6, 1200e-6])
+    truth = 0.05 + 0.95 * MODELS[0].share(sizes / CUT, 1.8)
+    hits = np.zeros(sizes.size)
+    for seed in range(200):
+        fit = fit_partition(*draw(MODELS[0], 1.8, 0.05, 800, seed), intervals=False)
+        _, low, high = fit.band(sizes)
+        hits += (low <= truth) & (truth <= high)
+    assert np.all((hits / 200 >= 0.90) & (hits / 200 <= 0.99)), hits / 200
+
+
 def test_more_events_know_more() -> None:
     def width(number: int) -> float:
         fit = fit_partition(*draw(MODELS[0], 2.0, 0.0, number, seed=5))
@@ -141,6 +152,10 @@ def test_a_perfect_cut_is_a_step_in_the_gap() -> None:
     fit = fit_partition(diameter, diameter > 3.5e-4)
     assert fit.sizes[0.5] == pytest.approx((np.sqrt(12) * 1e-4, 3e-4, 4e-4))
     assert fit.sharpness == 1
+    share, low, high = fit.band(np.array([2e-4, 3.2e-4, 5e-4]))
+    assert share.tolist() == [0, 0, 1]
+    assert low.tolist() == [0, 0, 1]
+    assert high.tolist() == [0, 1, 1]
 
 
 @pytest.mark.parametrize("seed", range(8))

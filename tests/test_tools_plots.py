@@ -13,10 +13,10 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 from elutria import plots
-from elutria.classify import Classification, classify
+from elutria.classify import CURVE_COLUMNS, Classification, classify
 from elutria.curves import MODELS
 from elutria.events import Account, Events, Run
-from elutria.files import write_csv
+from elutria.files import read_csv, write_csv
 from elutria.theory import COLUMNS
 
 MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
@@ -114,9 +114,11 @@ def test_velocities_are_told_apart_without_colour() -> None:
     )
 
 
-def test_a_fitted_curve_survives_its_csv(tmp_path: Path) -> None:
+def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
     folder = results(tmp_path, [5.0], ["quartz"])
-    row = plots.read_csv(folder / "fit.csv", ["model"])[0]
-    curve = plots.curve_of(row)
-    summary = plots.read_csv(folder / "summary.csv", ["d50_m"])[0]
-    assert curve.share(np.array([summary["d50_m"]])) == pytest.approx(0.5, abs=1e-6)
+    rows = [r for r in read_csv(folder / "curve.csv", CURVE_COLUMNS) if r["material"] == "all"]
+    summary = read_csv(folder / "summary.csv", ["d50_m"])[0]
+    size, share, low, high = (np.array([row[name] for row in rows]) for name in CURVE_COLUMNS[2:])
+    assert np.interp(summary["d50_m"], size, share) == pytest.approx(0.5, abs=2e-3)
+    assert np.all((low <= share) & (share <= high))
+    assert np.all(np.diff(share) >= 0)

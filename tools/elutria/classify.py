@@ -1,4 +1,4 @@
-"""From events to the rows of summary.csv, partition.csv and fit.csv."""
+"""From events to the rows of summary.csv, partition.csv, fit.csv and curve.csv."""
 
 from __future__ import annotations
 
@@ -29,27 +29,34 @@ FIT_COLUMNS = (
     "d75_low_m", "d75_high_m",
 )  # fmt: skip
 
+CURVE_COLUMNS = (
+    "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
+)  # fmt: skip
+
 Row = dict[str, Any]
 
 
 @dataclass
 class Classification:
-    """Rows of the three tables, in the contract's columns."""
+    """Rows of the four tables."""
 
     summary: list[Row] = field(default_factory=list)
     partition: list[Row] = field(default_factory=list)
     fits: list[Row] = field(default_factory=list)
+    curves: list[Row] = field(default_factory=list)
 
     def extend(self, other: Classification) -> None:
         """Append another velocity's rows."""
         self.summary += other.summary
         self.partition += other.partition
         self.fits += other.fits
+        self.curves += other.curves
 
     def write(self, folder: Path) -> None:
-        """summary.csv, partition.csv and fit.csv in `folder`, each whole or not at all."""
+        """summary, partition, fit and curve.csv in `folder`, each whole or not at all."""
         write_csv(folder / "partition.csv", PARTITION_COLUMNS, self.partition)
         write_csv(folder / "fit.csv", FIT_COLUMNS, self.fits)
+        write_csv(folder / "curve.csv", CURVE_COLUMNS, self.curves)
         write_csv(folder / "summary.csv", SUMMARY_COLUMNS, self.summary)
 
 
@@ -71,6 +78,7 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
         result.summary.append({**key, **_summary(run, name, events, fits[name], wall_time)})
         result.partition += [{**key, **_partition(entry)} for entry in table]
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
+        result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
     return result
 
 
@@ -142,3 +150,15 @@ def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:
             row[f"d{level * 100:.0f}_high_m"] = high
         rows.append(row)
     return rows
+
+
+def _curve_rows(fit: PartitionFit, events: Events) -> list[Row]:
+    """The fitted curve with its 95 % band, over the sizes that left."""
+    if not fit.ranked:
+        return []
+    left = events.diameter[events.has_left]
+    diameter = np.geomspace(left.min(), left.max(), 121)
+    return [
+        dict(zip(CURVE_COLUMNS[2:], row, strict=True))
+        for row in np.column_stack([diameter, *fit.band(diameter)]).tolist()
+    ]

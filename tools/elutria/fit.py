@@ -13,7 +13,7 @@ the interval is the gap.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import exp, inf, isfinite, log, log1p, nan, sqrt
 
 import numpy as np
@@ -40,6 +40,8 @@ class CurveFit:
     bypass: float
     log_likelihood: float
     parameters: int
+    # of (ln d, ln s, bypass); None where it cannot be told
+    covariance: Array | None = field(default=None, compare=False)
 
     @property
     def name(self) -> str:
@@ -69,6 +71,28 @@ class CurveFit:
         inner = (share - self.bypass) / (1 - self.bypass)
         return exp(self.log_diameter + self.model.log_x_at(inner, self.log_shape))
 
+    def limits(self, diameter: Array, deviations: float) -> tuple[Array, Array]:
+        """Lowest and highest T over the parameters within so many standard deviations of the best.
+
+        To first order these are T's own normal limits; but each curve tried is a partition curve.
+        """
+        low, high = np.zeros_like(diameter), np.ones_like(diameter)
+        if self.covariance is None:
+            return low, high
+        root = np.linalg.cholesky(self.covariance)
+        tried = []
+        for direction in _directions(self.parameters):
+            step = np.zeros(3)
+            step[: self.parameters] = deviations * root @ direction
+            moved = replace(
+                self,
+                log_diameter=self.log_diameter + step[0],
+                log_shape=self.log_shape + step[1],
+                bypass=float(np.clip(self.bypass + step[2], 0, _MAX_BYPASS)),
+            )
+            tried.append(moved.share(diameter))
+        return np.min(tried, axis=0), np.max(tried, axis=0)
+
     def finest_is_seen(self, smallest: float) -> bool:
         """Whether the curve without its bypass is below 5 % at the smallest size (m)."""
         if self.model is None:
@@ -80,16 +104,39 @@ class CurveFit:
 class PartitionFit:
     """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one.
 
-    A size is nan where the curve does not reach its level within the sizes that left.
+    A size is nan where the curve does not reach its level within the sizes that left. `gap` holds
+    the sizes between which a step lies.
     """
 
     ranked: list[CurveFit]
     sizes: dict[float, tuple[float, float, float]]
+    gap: tuple[float, float] | None = None
 
     @property
     def best(self) -> CurveFit | None:
         """The fit with the smallest AIC, None when there is nothing to fit."""
         return self.ranked[0] if self.ranked else None
+
+    def band(self, diameter: Array) -> tuple[Array, Array, Array]:
+        """T at `diameter` (m) with its pointwise 95 % limits.
+
+        A share is within them when some parameters of some model that give it are not rejected by
+        their likelihood ratio to the likeliest (AIC's price left out: far from the cut the models
+        differ more among each other than any of them knows).
+        """
+        best = self.ranked[0]
+        share = best.share(diameter)
+        if self.gap is not None:
+            inside = (diameter > self.gap[0]) & (diameter < self.gap[1])
+            return share, np.where(inside, 0.0, share), np.where(inside, 1.0, share)
+        low, high = share.copy(), share.copy()
+        likeliest = max(fit.log_likelihood for fit in self.ranked)
+        for fit in self.ranked:
+            slack = _THRESHOLD - 2 * (likeliest - fit.log_likelihood)
+            if slack > 0:
+                lower, upper = fit.limits(diameter, sqrt(slack))
+                low, high = np.minimum(low, lower), np.maximum(high, upper)
+        return share, low, high
 
     @property
     def d25(self) -> float:
@@ -148,6 +195,17 @@ def fit_partition(
         else:
             sizes[level] = (value, nan, nan)
     return PartitionFit(ranked, sizes)
+
+
+def _directions(dimensions: int) -> Array:
+    """Unit vectors spread evenly over the circle or the sphere."""
+    number = 64 if dimensions == 2 else 256
+    k = np.arange(number) + 0.5
+    if dimensions == 2:
+        return np.column_stack([np.cos(2 * np.pi * k / number), np.sin(2 * np.pi * k / number)])
+    height, turn = 1 - 2 * k / number, np.pi * (1 + sqrt(5)) * k
+    radius = np.sqrt(1 - height**2)
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
 
 
 def relative_weights(diameter: Array, weight: Array | None) -> Array:
@@ -280,7 +338,9 @@ def _fit(
     begin = np.array([center, model.start(spread), 0.02 if with_bypass else 0.0])
     free = [0, 1, 2] if with_bypass else [0, 1]
     p, value = _maximize(likelihood, model, begin, free, _MAX_BYPASS)
-    return CurveFit(model, float(p[0]), float(p[1]), float(p[2]), value, len(free))
+    information = likelihood.derivatives(model, p)[2][np.ix_(free, free)]
+    covariance = np.linalg.inv(information) if np.linalg.cond(information) < 1e12 else None
+    return CurveFit(model, float(p[0]), float(p[1]), float(p[2]), value, len(free), covariance)
 
 
 def _interval(likelihood: _Likelihood, ranked: list[CurveFit], level: float) -> tuple[float, float]:
@@ -364,4 +424,4 @@ def _step(diameter: Array, coarse: Flags) -> PartitionFit | None:
         return None
     middle = sqrt(low * high)
     step = CurveFit(None, log(middle), inf, 0.0, 0.0, 1)
-    return PartitionFit([step], dict.fromkeys(LEVELS, (middle, low, high)))
+    return PartitionFit([step], dict.fromkeys(LEVELS, (middle, low, high)), (low, high))

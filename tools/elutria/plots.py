@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import log
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +9,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from elutria import theory
-from elutria.classify import FIT_COLUMNS, PARTITION_COLUMNS, SUMMARY_COLUMNS
-from elutria.curves import MODELS
+from elutria.classify import CURVE_COLUMNS, PARTITION_COLUMNS, SUMMARY_COLUMNS
 from elutria.errors import InputError
 from elutria.files import read_csv, whole_file
-from elutria.fit import CurveFit
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -53,11 +51,11 @@ def write_figures(folder: Path) -> list[Path]:
     partition = read_csv(folder / "partition.csv", PARTITION_COLUMNS)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
-    fits = _optional(folder / "fit.csv", FIT_COLUMNS)
+    curves = _optional(folder / "curve.csv", CURVE_COLUMNS)
     lines = _optional(folder / "theory.csv", theory.COLUMNS)
     with mpl.rc_context(STYLE):
         figures = {
-            "partition_curves.png": partition_figure(partition, fits),
+            "partition_curves.png": partition_figure(partition, curves),
             "cut_size.png": cut_size_figure(summary, lines),
             "size_distributions.png": size_figure(partition),
         }
@@ -96,65 +94,59 @@ def size_axis(axes: Axes, low: float, high: float) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def partition_figure(partition: list[Row], fits: list[Row]) -> Figure:
-    """T(d) of all velocities: classes with 95 % bands, fitted curves; one panel per material.
+def partition_figure(partition: list[Row], curves: list[Row]) -> Figure:
+    """T(d) of all velocities, one panel per material: fitted curves with 95 % bands, and classes
+    with theirs.
 
     Classes of which next to nothing is known are left out; partition.csv has them.
     """
     materials = _materials(partition)
     velocities = _velocities(partition)
     colours = velocity_colours(velocities)
+    known = [row for row in partition if row["ci_high"] - row["ci_low"] < 0.5]
     figure, panels = new_figure(16 + 58 * len(materials), len(materials), sharex=True)
-    low, high = _size_range(partition)
-    fine = np.geomspace(low, high, 400) * 1e-6
     for axes, material in zip(panels, materials, strict=True):
         for velocity in velocities:
-            rows = [r for r in _select(partition, velocity, material) if _is_known(r)]
-            if not rows:
-                continue
-            size = _column(rows, "diameter_m") * 1e6
             colour = colours[velocity]
-            axes.fill_between(
-                size, _column(rows, "ci_low"), _column(rows, "ci_high"),
-                color=colour, alpha=0.22, linewidth=0,
-            )  # fmt: skip
-            axes.plot(
-                size, _column(rows, "partition_to_coarse"), "o", ms=2.2, mew=0, color=colour,
-            )  # fmt: skip
+            classes = _select(known, velocity, material)
+            _draw_classes(axes, classes, colour)
+            _draw_curve(axes, _within(_select(curves, velocity, material), classes), colour)
             axes.plot([], [], "o-", ms=2.2, mew=0, color=colour, label=f"{velocity:g} m/s")
-            best = next((r for r in _select(fits, velocity, material) if r["rank"] == 1), None)
-            if best is not None:
-                seen = (fine >= rows[0]["diameter_m"]) & (fine <= rows[-1]["diameter_m"])
-                axes.plot(fine[seen] * 1e6, curve_of(best).share(fine[seen]), color=colour)
         axes.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
         axes.set_ylim(-0.02, 1.02)
         axes.set_ylabel("mass share to coarse  $T$")
         if len(materials) > 1:
             axes.text(0.03, 0.93, material, transform=axes.transAxes, va="top")
-        size_axis(axes, low, high)
+        size_axis(axes, *_size_range(known or partition))
     panels[-1].set_xlabel("particle diameter  $d$  (µm)")
     _legend_above(figure, panels[0])
     return figure
 
 
-def _is_known(row: Row) -> bool:
-    """Whether enough has left in a class to be drawn: its interval is narrower than 0.5."""
-    return bool(row["ci_high"] - row["ci_low"] < 0.5)
+def _within(curve: list[Row], classes: list[Row]) -> list[Row]:
+    """The part of a curve over the classes that are drawn."""
+    if not classes:
+        return []
+    low, high = classes[0]["diameter_m"], classes[-1]["diameter_m"]
+    return [row for row in curve if low <= row["diameter_m"] <= high]
 
 
-def curve_of(row: Row) -> CurveFit:
-    """The fitted curve that a row of fit.csv describes."""
-    name = str(row["model"]).removesuffix(" + bypass")
-    model = next((model for model in MODELS if model.name == name), None)
-    shape = row["shape"]
-    return CurveFit(
-        model,
-        log(row["d50_without_bypass_m"]),
-        log(shape) if shape > 0 else -np.inf,
-        row["bypass"],
-        row["log_likelihood"],
-        3 if str(row["model"]).endswith("bypass") else 2,
-    )
+def _draw_classes(axes: Axes, rows: list[Row], colour: Any) -> None:
+    share = _column(rows, "partition_to_coarse")
+    bars = np.array([share - _column(rows, "ci_low"), _column(rows, "ci_high") - share])
+    axes.errorbar(
+        _column(rows, "diameter_m") * 1e6, share, yerr=np.maximum(bars, 0), fmt="o", ms=2.2, mew=0,
+        color=colour, ecolor=(*colour[:3], 0.45), elinewidth=0.6,
+    )  # fmt: skip
+
+
+def _draw_curve(axes: Axes, rows: list[Row], colour: Any) -> None:
+    size = _column(rows, "diameter_m") * 1e6
+    axes.fill_between(
+        size, _column(rows, "ci_low"), _column(rows, "ci_high"),
+        color=colour, alpha=0.25, linewidth=0,
+    )  # fmt: skip
+    axes.plot(size, _column(rows, "partition_to_coarse"), color=colour)
 
 
 def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
@@ -163,33 +155,47 @@ def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
     figure, (axes,) = new_figure(66)
     for number, material in enumerate(materials):
         colour = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
-        suffix = f", {material}" if len(materials) > 1 else ""
         rows = [row for row in summary if row["material"] == material]
         speed = _column(rows, "gas_velocity_m_s")
-        cut, d25, d75 = (_column(rows, name) * 1e6 for name in ("d50_m", "d25_m", "d75_m"))
-        interval = (
-            np.abs(_column(rows, "d50_low_m") * 1e6 - cut),
-            np.abs(_column(rows, "d50_high_m") * 1e6 - cut),
+        cut, d25, d75, low, high = (
+            _column(rows, name) * 1e6
+            for name in ("d50_m", "d25_m", "d75_m", "d50_low_m", "d50_high_m")
         )
-        axes.vlines(speed, d25, d75, color=colour, linewidth=3.5, alpha=0.3,
-                    label=f"$d_{{25}}$ to $d_{{75}}${suffix}")  # fmt: skip
+        axes.vlines(speed, d25, d75, color=colour, linewidth=3.5, alpha=0.3)
+        bars = np.nan_to_num(np.array([cut - low, high - cut]))
         axes.errorbar(
-            speed, cut, yerr=np.nan_to_num(np.array(interval)), fmt="o", ms=3, color=colour,
-            capsize=2, elinewidth=0.8, capthick=0.8, label=f"$d_{{50}}$ with 95 % interval{suffix}",
+            speed, cut, yerr=np.maximum(bars, 0), fmt="o", ms=3, color=colour,
+            capsize=2, elinewidth=0.8, capthick=0.8,
         )  # fmt: skip
         curve = [row for row in lines if row["material"] == material]
-        if curve:
-            axes.plot(
-                _column(curve, "gas_velocity_m_s"), _column(curve, "cut_size_m") * 1e6, "--",
-                color=colour, linewidth=0.9,
-                label=f"terminal velocity $= U$ ({curve[0]['law']}){suffix}",
-            )  # fmt: skip
+        axes.plot(
+            _column(curve, "gas_velocity_m_s"), _column(curve, "cut_size_m") * 1e6, "--",
+            color=colour, linewidth=0.9,
+        )  # fmt: skip
     axes.set_xlabel("gas velocity  $U$  (m/s)")
     axes.set_ylabel("cut size  $d_{50}$  (µm)")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
-    axes.legend(loc="upper left")
+    _cut_size_legend(axes, materials, lines)
     return figure
+
+
+def _cut_size_legend(axes: Axes, materials: list[str], lines: list[Row]) -> None:
+    """What the marks mean, and the colours where there is more than one material."""
+    colour = MATERIAL_COLOURS[0] if len(materials) == 1 else "0.35"
+    handles: list[Any] = [
+        axes.errorbar([], [], yerr=[], fmt="o", ms=3, capsize=2, elinewidth=0.8, color=colour),
+        Line2D([], [], color=colour, linewidth=3.5, alpha=0.3),
+    ]
+    labels = ["$d_{50}$ with 95 % interval", "$d_{25}$ to $d_{75}$"]
+    if lines:
+        handles.append(Line2D([], [], color=colour, linewidth=0.9, linestyle="--"))
+        labels.append(f"terminal velocity $= U$ ({lines[0]['law']})")
+    if len(materials) > 1:
+        for name, shade in zip(materials, MATERIAL_COLOURS, strict=False):
+            handles.append(Line2D([], [], color=shade, linewidth=2))
+            labels.append(name)
+    axes.legend(handles, labels, loc="upper left")
 
 
 def size_figure(partition: list[Row]) -> Figure:

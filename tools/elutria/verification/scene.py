@@ -183,6 +183,9 @@ def run_scene(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> s
     command = [solver]
     if processors > 1:
         run_program(["decomposePar", "-force"], case)
+        # decomposePar turns positions into coordinates and forgets to say so
+        for file in case.glob("processor*/0/uniform/lagrangian/*/cloudProperties"):
+            change(file.parent, {f"{file.name}:geometry": "coordinates"})
         command = ["mpirun", "-np", str(processors), solver, "-parallel"]
     done = subprocess.run(command, cwd=case, capture_output=True, text=True, check=False)
     (case / f"log.{solver}").write_text(done.stdout + done.stderr)
