@@ -135,14 +135,6 @@ void radixSort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scr
     }
 }
 
-template<class T>
-void permute(std::vector<T>& values, const std::vector<std::uint32_t>& target)
-{
-    std::vector<T> moved(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) moved[target[i]] = values[i];
-    values.swap(moved);
-}
-
 } // namespace
 
 std::vector<std::uint32_t> Cloud::sort(double width)
@@ -176,13 +168,26 @@ std::vector<std::uint32_t> Cloud::sort(double width)
     std::vector<std::uint32_t> target(n);
     for (std::size_t k = 0; k < n; ++k) target[ownOf[keys[k] & 0xffffffffu]] = std::uint32_t(k);
 
-    permute(rows, target);
-    permute(bases, target);
-    permute(loads, target);
-    permute(order_, target);
-    if (!materials.empty()) permute(materials, target);
-    if (!forcing.empty()) permute(forcing, target);
+    moveTo(target);
     return target;
+}
+
+/// Moves each particle to its target, in place, cycle by cycle; loads are all zero here.
+void Cloud::moveTo(std::vector<std::uint32_t> target)
+{
+    for (std::uint32_t i = 0; i < size(); ++i)
+    {
+        while (target[i] != i)
+        {
+            const std::uint32_t k = target[i];
+            std::swap(rows[i], rows[k]);
+            std::swap(bases[i], bases[k]);
+            std::swap(order_[i], order_[k]);
+            if (!materials.empty()) std::swap(materials[i], materials[k]);
+            if (!forcing.empty()) std::swap(forcing[i], forcing[k]);
+            std::swap(target[i], target[k]);
+        }
+    }
 }
 
 std::vector<std::uint32_t> Cloud::byId() const

@@ -28,7 +28,8 @@ public:
     /// Gives positions (inside the box), velocities, spins and dragImpulse back after `duration`.
     void store(Particles& particles, double duration) const;
 
-    /// Sorts along a space-filling curve through cells of `width`; returns old index -> new index.
+    /// Sorts along a space-filling curve through cells of `width`; returns the new index of each
+    /// old one. Loads must be zero.
     std::vector<std::uint32_t> sort(double width);
 
     std::uint64_t id(std::size_t i) const { return ids_[order_[i]]; }
@@ -41,6 +42,8 @@ public:
     static constexpr std::uint32_t none = 0xffffffffu;
 
     Vector3 position(std::size_t i) const { return {rows[i].x, rows[i].y, rows[i].z}; }
+    /// As kept between evaluations: without the step's own contact part.
+    Vector3 velocity(std::size_t i) const { return {bases[i].vx, bases[i].vy, bases[i].vz}; }
     std::uint8_t material(std::size_t i) const { return materials.empty() ? 0 : materials[i]; }
     std::size_t bytes() const;
 
@@ -56,6 +59,7 @@ public:
     double strongestPush = 0;               // m/s^2
 
 private:
+    void moveTo(std::vector<std::uint32_t> target);
     void loadForcing(const Particles& particles, double step);
 
     std::vector<std::uint32_t> order_;      // own index -> caller's index

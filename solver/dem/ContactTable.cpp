@@ -8,25 +8,12 @@
 namespace elutria::dem
 {
 
-void ContactTable::Arrays::clear()
+void ContactTable::Arrays::makeRoom(std::size_t more)
 {
-    first.clear(), second.clear(), x.clear(), y.clear(), z.clear(), touching.clear();
-    count = inside = 0;
-}
-
-void ContactTable::Arrays::push(std::uint32_t i, std::uint32_t j, const float stretch[3],
-                                bool touches)
-{
-    first.push_back(i), second.push_back(j);
-    x.push_back(stretch[0]), y.push_back(stretch[1]), z.push_back(stretch[2]);
-    touching.push_back(touches);
-}
-
-void ContactTable::Arrays::close()
-{
-    count = first.size();
-    x.resize(count + contactBlock), y.resize(count + contactBlock), z.resize(count + contactBlock);
-    touching.resize(count + contactBlock, 0);
+    if (count + more <= first.size()) return;
+    const std::size_t size = count + more + count/4;
+    first.resize(size), second.resize(size), x.resize(size), y.resize(size), z.resize(size);
+    touching.resize(size);
 }
 
 std::size_t ContactTable::Arrays::bytes() const
@@ -49,83 +36,113 @@ ContactTable::ContactTable(const LawTable& laws) : laws_(laws), law_(laws.law())
     }
 }
 
-void ContactTable::reset(std::size_t particles, const std::vector<LastingPair>& lasting)
+namespace
 {
+
+/// Ascending by first, then second.
+void sortByParticle(std::vector<LastingPair>& pairs, std::size_t particles)
+{
+    std::vector<std::uint32_t> begin(particles + 2, 0);
+    for (const LastingPair& p : pairs) ++begin[p.first + 2];
+    for (std::size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    std::vector<LastingPair> sorted(pairs.size());
+    for (const LastingPair& p : pairs) sorted[begin[p.first + 1]++] = p;
+    for (std::size_t i = 0; i < particles; ++i)
+    {
+        std::sort(sorted.begin() + begin[i], sorted.begin() + begin[i + 1],
+                  [](const LastingPair& a, const LastingPair& b) { return a.second < b.second; });
+    }
+    pairs.swap(sorted);
+}
+
+} // namespace
+
+void ContactTable::reset(std::size_t particles, std::vector<LastingPair>& lasting)
+{
+    sortByParticle(lasting, particles);
     particles_ = particles;
     chunks_.resize((particles + chunkSize - 1)/chunkSize);
     std::size_t k = 0;
     for (std::size_t c = 0; c < chunks_.size(); ++c)
     {
         Arrays& arrays = chunks_[c].current;
-        arrays.clear();
+        arrays.count = 0;
         const std::size_t begin = k, end = chunkEnd(c);
         const auto add = [&](bool inside)
         {
             for (k = begin; k < lasting.size() && lasting[k].first < end; ++k)
             {
                 const LastingPair& p = lasting[k];
-                if ((p.second < end) == inside) arrays.push(p.first, p.second, &p.x, true);
+                if ((p.second < end) != inside) continue;
+                arrays.makeRoom(1);
+                arrays.push(p.first, p.second, p.x, p.y, p.z, 1);
             }
         };
         add(true);
-        arrays.inside = arrays.first.size();
+        arrays.inside = arrays.count;
         add(false);
-        arrays.close();
     }
 }
 
-void ContactTable::refresh(const Cloud& cloud, const PairList& list, double margin,
-                           unsigned threads)
+/// Walks through the old contacts in step with the neighbour list.
+class ContactTable::OldContacts
 {
-    forEach(threads, chunks_.size(),
-            [&](std::size_t c) { refreshChunk(c, cloud, list, margin); });
-    connect();
-}
+public:
+    OldContacts(const Arrays& arrays, std::size_t at, std::size_t stop)
+      : arrays_(arrays), at_(at), stop_(stop)
+    {}
 
-void ContactTable::refreshChunk(std::size_t c, const Cloud& cloud, const PairList& list,
-                                double margin)
+    /// Puts (i, j) behind `next`, as it was if it was there; called in ascending order.
+    void carryTo(Arrays& next, std::uint32_t i, std::uint32_t j)
+    {
+        while (at_ < stop_ && (arrays_.first[at_] < i
+                               || (arrays_.first[at_] == i && arrays_.second[at_] < j))) ++at_;
+        const bool had = at_ < stop_ && arrays_.first[at_] == i && arrays_.second[at_] == j;
+        if (had) next.push(i, j, arrays_.x[at_], arrays_.y[at_], arrays_.z[at_],
+                           arrays_.touching[at_]);
+        else next.push(i, j, 0, 0, 0, 0);
+    }
+
+private:
+    const Arrays& arrays_;
+    std::size_t at_, stop_;
+};
+
+void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& list, double margin)
 {
     Chunk& chunk = chunks_[c];
     const Arrays& old = chunk.current;
     Arrays& next = chunk.next;
-    next.clear();
-    static const float none[3] = {0, 0, 0};
-    const std::size_t begin = chunkBegin(c), end = chunkEnd(c);
+    const auto begin = std::uint32_t(chunkBegin(c)), end = std::uint32_t(chunkEnd(c));
     const Row* rows = cloud.rows.data();
     const PeriodicBox& box = cloud.box;
     const bool wraps = box.any();
-    const auto choose = [&](std::size_t at, std::size_t stop, bool inside)
+    const auto choose = [&](OldContacts& before, std::uint32_t i, std::uint32_t j)
     {
-        for (std::uint32_t i = std::uint32_t(begin); i < end; ++i)
-        {
-            const Row& a = rows[i];
-            for (std::uint32_t k = list.begin[i]; k < list.begin[i + 1]; ++k)
-            {
-                const std::uint32_t j = list.second[k];
-                if ((j < end) != inside) continue;
-                while (at < stop && (old.first[at] < i || (old.first[at] == i && old.second[at] < j)))
-                {
-                    ++at;
-                }
-                const bool lasts = at < stop && old.first[at] == i && old.second[at] == j
-                                   && old.touching[at];
-                const Row& b = rows[j];
-                Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
-                if (wraps) apart = box.shortest(apart);
-                const double reach = a.radius + b.radius + margin;
-                if (lasts)
-                {
-                    const float stretch[3] = {old.x[at], old.y[at], old.z[at]};
-                    next.push(i, j, stretch, true);
-                }
-                else if (squaredNorm(apart) < reach*reach) next.push(i, j, none, false);
-            }
-        }
+        const Row &a = rows[i], &b = rows[j];
+        Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
+        if (wraps) apart = box.shortest(apart);
+        const double reach = a.radius + b.radius + margin;
+        if (squaredNorm(apart) < reach*reach) before.carryTo(next, i, j);
     };
-    choose(0, old.inside, true);
-    next.inside = next.first.size();
-    choose(old.inside, old.count, false);
-    next.close();
+    next.count = 0;
+    chunk.later.clear();
+    OldContacts inside(old, 0, old.inside), across(old, old.inside, old.count);
+    for (std::uint32_t i = begin; i < end; ++i)
+    {
+        next.makeRoom(list.begin[i + 1] - list.begin[i]);
+        for (std::uint32_t k = list.begin[i]; k < list.begin[i + 1]; ++k)
+        {
+            const std::uint32_t j = list.second[k];
+            if (j < end) choose(inside, i, j);
+            else chunk.later.push_back({i, j});
+        }
+    }
+    next.inside = next.count;
+    next.makeRoom(chunk.later.size());
+    for (const Pair& pair : chunk.later) choose(across, pair.first, pair.second);
+    next.makeRoom(contactBlock);
+    std::fill_n(next.touching.begin() + std::ptrdiff_t(next.count), contactBlock, 0);
     std::swap(chunk.current, chunk.next);
     chunk.across.resize(chunk.current.count - chunk.current.inside);
 }

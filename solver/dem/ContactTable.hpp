@@ -38,11 +38,13 @@ public:
     static std::size_t chunkBegin(std::size_t c) { return c*chunkSize; }
     std::size_t chunkEnd(std::size_t c) const { return std::min(particles_, (c + 1)*chunkSize); }
 
-    /// Forgets everything and takes these contacts, ascending, as touching.
-    void reset(std::size_t particles, const std::vector<LastingPair>& lasting);
+    /// Forgets everything and takes these contacts as touching.
+    void reset(std::size_t particles, std::vector<LastingPair>& lasting);
 
     /// Chooses the pairs of the list closer than `margin`; keeps the history of those that touch.
-    void refresh(const Cloud& cloud, const PairList& list, double margin, unsigned threads);
+    /// After the last of the chunks to refresh, connect().
+    void refresh(std::size_t chunk, const Cloud& cloud, const PairList& list, double margin);
+    void connect();
 
     /// Forces of the pairs of one chunk onto its own particles; chunks may run side by side.
     void evaluate(std::size_t chunk, Cloud& cloud, StepWeights weights);
@@ -66,13 +68,19 @@ private:
     struct Arrays
     {
         std::vector<std::uint32_t> first, second;
-        std::vector<float> x, y, z;
+        std::vector<float> x, y, z;         // stretch
         std::vector<std::uint8_t> touching;
-        std::size_t count = 0, inside = 0;
+        std::size_t count = 0;              // in use; room for contactBlock more is behind them
+        std::size_t inside = 0;             // the first of them have both partners in the chunk
 
-        void clear();
-        void push(std::uint32_t i, std::uint32_t j, const float stretch[3], bool touches);
-        void close();                       // room for a whole block behind the last contact
+        void makeRoom(std::size_t more);
+        void push(std::uint32_t i, std::uint32_t j, float sx, float sy, float sz,
+                  std::uint8_t touches)
+        {
+            first[count] = i, second[count] = j;
+            x[count] = sx, y[count] = sy, z[count] = sz;
+            touching[count++] = touches;
+        }
         std::size_t bytes() const;
     };
     struct Incoming
@@ -82,14 +90,14 @@ private:
     struct Chunk
     {
         Arrays current, next;
+        std::vector<Pair> later;            // candidates across, while refreshing
         std::vector<Contribution> across;
         std::vector<Incoming> incoming;
         float largestOverlap = 0;
     };
+    class OldContacts;
     struct Job;
 
-    void refreshChunk(std::size_t c, const Cloud& cloud, const PairList& list, double margin);
-    void connect();
     template<ContactLaw law> static Contribution transition(void* job, std::size_t k);
 
     const LawTable& laws_;

@@ -16,6 +16,13 @@ struct PeriodicBox
 
     bool any() const { return periodic[0] || periodic[1] || periodic[2]; }
 
+    /// Nearest whole number, for |a| < 2^51: the sum has no digits behind the point.
+    static double nearest(double a)
+    {
+        constexpr double shift = 6755399441055744.0;      // 1.5*2^52
+        return (a + shift) - shift;
+    }
+
     /// Shortest image of a difference of two positions.
     Vector3 shortest(Vector3 difference) const
     {
@@ -23,7 +30,7 @@ struct PeriodicBox
         {
             if (!periodic[axis]) continue;
             const double length = high[axis] - low[axis];
-            difference[axis] -= length*std::nearbyint(difference[axis]/length);
+            difference[axis] -= length*nearest(difference[axis]/length);
         }
         return difference;
     }

@@ -66,7 +66,7 @@ void SoftIntegrator::keep()
     valid_ = false;
 }
 
-/// Gives the history put away to the contact tables.
+/// Gives the history put away under ids to the contact tables.
 void SoftIntegrator::install()
 {
     std::vector<LastingPair> pairs;
@@ -84,25 +84,30 @@ void SoftIntegrator::install()
         }
         const std::uint32_t j = cloud_.find(byId, r.second);
         if (j == Cloud::none) continue;
-        const Vector3 s = i < j ? r.tangential : -r.tangential;
-        pairs.push_back({std::min(i, j), std::max(i, j), float(s.x), float(s.y), float(s.z)});
+        const Vector3& s = r.tangential;
+        pairs.push_back({i, j, float(s.x), float(s.y), float(s.z)});
     }
-    std::sort(pairs.begin(), pairs.end(), [](const LastingPair& a, const LastingPair& b)
+    kept_.clear();
+    install(pairs, walls);
+}
+
+void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls)
+{
+    for (LastingPair& p : pairs)
     {
-        return a.first != b.first ? a.first < b.first : a.second < b.second;
-    });
+        if (p.first > p.second) p = {p.second, p.first, -p.x, -p.y, -p.z};
+    }
     std::sort(walls.begin(), walls.end(), [](const LastingWall& a, const LastingWall& b)
     {
         return a.particle != b.particle ? a.particle < b.particle : a.feature < b.feature;
     });
-    kept_.clear();
     contacts_.reset(cloud_.size(), pairs);
     atWalls_.reset(contacts_.chunks(), walls);
 }
 
 // ------------------------------------------------------------------------------------ lists
 
-/// Skin of the neighbour list: the least cost per sub-step of rebuilds (about 200 ns per particle)
+/// Skin of the neighbour list: the least cost per sub-step of rebuilds (about 300 ns per particle)
 /// and of the candidates looked through at every refresh.
 double SoftIntegrator::listSkin() const
 {
@@ -113,14 +118,15 @@ double SoftIntegrator::listSkin() const
     {
         return 0.05*cloud_.smallest;
     }
-    const double speed = std::max(fastestInFrame_, std::sqrt(0.2*cloud_.strongestPush*radius));
-    const double way = 2*speed*step_;
+    double speed = 0;
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c) speed = std::max(speed, drift_.speed(c));
+    const double way = 2*std::max(speed, std::sqrt(0.2*cloud_.strongestPush*radius))*step_;
     double best = 0, least = 1e300;
     for (double skin = 0.1*radius; skin <= 2*radius; skin *= 1.25)
     {
         const double reach = 1 + 0.5*skin/radius, candidates = 1.2*reach*reach*reach;
-        const double nearPairs = std::sqrt(way/(0.06*radius));     // refreshes per sub-step
-        const double cost = 200*way/skin + 3*candidates*std::min(1.0, nearPairs);
+        const double refreshes = std::min(1.0, std::sqrt(way/(0.06*radius)));
+        const double cost = 300*way/skin + 3*candidates*refreshes;
         if (cost < least) least = cost, best = skin;
     }
     return std::max(best, 8*way);
@@ -128,58 +134,107 @@ double SoftIntegrator::listSkin() const
 
 /// Margin of the near pairs: the least cost per sub-step of refreshes (about 20 ns per particle)
 /// and of near pairs that do not touch.
-double SoftIntegrator::nearMargin() const
+double SoftIntegrator::nearMargin(std::size_t chunk) const
 {
-    const double way = 2*std::max(fastestInFrame_, 1e-9)*step_;
-    const double margin = std::sqrt(20*way*cloud_.mean/50);
+    const double way = 2*std::max(drift_.speed(chunk), 1e-9)*step_;
+    const double margin = std::sqrt(way*cloud_.mean);
     return std::clamp(margin, 3*way + 1e-6*cloud_.smallest, 0.5*skin_ + 3*way);
 }
 
 void SoftIntegrator::rebuild()
 {
-    if (valid_) keep();
+    std::vector<LastingPair> pairs;
+    std::vector<LastingWall> walls;
+    if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
     skin_ = listSkin();
-    cloud_.sort(2*cloud_.mean + skin_);
+    const std::vector<std::uint32_t> now = cloud_.sort(2*cloud_.mean + skin_);
     const Row* rows = cloud_.rows.data();
     const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, &rows->radius, skin_,
                           sizeof(Row)/sizeof(double)};
     findPairs(spheres, cloud_.box, settings_.search, settings_.cellLayers, settings_.threads,
               list_);
-    install();
-    valid_ = true;
-    sinceRebuild_ = 0;
-    ++rebuilds_;
-    refresh();
-}
-
-void SoftIntegrator::refresh()
-{
-    margin_ = nearMargin();
-    contacts_.refresh(cloud_, list_, margin_, settings_.threads);
-    if (!walls_.empty())
+    if (valid_)
     {
-        wallMargin_ = std::max(0.25*cloud_.mean, 8*fastest_*step_);
-        forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
-        {
-            atWalls_.refresh(c, cloud_, ContactTable::chunkBegin(c), contacts_.chunkEnd(c),
-                             wallMargin_);
-        });
-        sinceWalls_ = 0;
+        for (LastingPair& p : pairs) p.first = now[p.first], p.second = now[p.second];
+        for (LastingWall& w : walls) w.particle = now[w.particle];
+        install(pairs, walls);
     }
-    sinceRefresh_ = 0;
-    ++refreshes_;
+    else
+    {
+        install();
+    }
+    valid_ = true;
+    ++rebuilds_;
+    drift_.reset(list_, cloud_.size(), ContactTable::chunkSize);
+    measureSpeeds();
+    margin_.resize(contacts_.chunks()), wallMargin_.resize(contacts_.chunks());
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        refresh(c);
+        refreshWalls(c);
+    });
+    contacts_.connect();
 }
 
-/// Refreshes or rebuilds unless nothing unseen can touch after the way gone so far.
+/// Speeds and frames of the chunks as the particles are now.
+void SoftIntegrator::measureSpeeds()
+{
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        const std::size_t begin = ContactTable::chunkBegin(c), end = contacts_.chunkEnd(c);
+        Vector3 mean;
+        double fastest2 = 0, inFrame2 = 0;
+        for (std::size_t i = begin; i < end; ++i) mean += cloud_.velocity(i);
+        mean *= 1/double(end - begin);
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            fastest2 = std::max(fastest2, squaredNorm(cloud_.velocity(i)));
+            inFrame2 = std::max(inFrame2, squaredNorm(cloud_.velocity(i) - mean));
+        }
+        drift_.setFrame(c, mean);
+        drift_.setSpeeds(c, std::sqrt(inFrame2), std::sqrt(fastest2));
+    }
+}
+
+void SoftIntegrator::refresh(std::size_t chunk)
+{
+    margin_[chunk] = nearMargin(chunk);
+    contacts_.refresh(chunk, cloud_, list_, margin_[chunk]);
+    drift_.mark(chunk);
+}
+
+void SoftIntegrator::refreshWalls(std::size_t chunk)
+{
+    const double margin = std::max(0.25*cloud_.mean, 8*drift_.wallSpeed(chunk)*step_);
+    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, ContactTable::chunkBegin(chunk),
+                                          contacts_.chunkEnd(chunk), margin);
+    drift_.markWalls(chunk);
+}
+
+/// Refreshes or rebuilds what may miss a touch after the way gone so far.
 void SoftIntegrator::ensureLists()
 {
     const bool everyStep = settings_.search == NeighbourSearch::bruteForce
                            || settings_.search == NeighbourSearch::cells;
-    if (!valid_ || (everyStep && sinceRebuild_ > 0)) return rebuild();
-    const bool wallsHold = walls_.empty() || sinceWalls_ < wallMargin_;
-    if (2*sinceRefresh_ < margin_ && wallsHold) return;
-    if (2*sinceRebuild_ + nearMargin() > skin_) return rebuild();
-    refresh();
+    if (!valid_ || everyStep) return rebuild();
+    stale_.assign(contacts_.chunks(), 0);
+    bool any = false;
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        if (!(drift_.sinceMark(c) < margin_[c]))
+        {
+            if (drift_.sinceReset(c) + nearMargin(c) > skin_) return rebuild();
+            stale_[c] = 1;
+            any = true;
+        }
+        if (!(drift_.sinceWalls(c) < wallMargin_[c])) refreshWalls(c);
+    }
+    if (!any) return;
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        if (stale_[c]) refresh(c);
+    });
+    contacts_.connect();
 }
 
 // ----------------------------------------------------------------------------------- motion
@@ -190,21 +245,9 @@ void SoftIntegrator::load(const Particles& particles, double step)
     if (valid_ && !cloud_.holds(particles)) keep();
     const double shifted = cloud_.load(particles, step);
     mean_ = cloud_.frame;
-    double fastest2 = 0, inFrame2 = 0;
-    for (std::size_t i = 0; i < cloud_.size(); ++i)
-    {
-        const Base& b = cloud_.bases[i];
-        const Vector3 v{b.vx, b.vy, b.vz};
-        fastest2 = std::max(fastest2, squaredNorm(v));
-        inFrame2 = std::max(inFrame2, squaredNorm(v - cloud_.frame));
-    }
-    fastest_ = std::sqrt(fastest2), fastestInFrame_ = std::sqrt(inFrame2);
-    if (valid_)
-    {
-        sinceRebuild_ += shifted;
-        sinceRefresh_ += shifted;
-        sinceWalls_ += shifted;
-    }
+    if (!valid_) return;
+    drift_.add(shifted);
+    measureSpeeds();
 }
 
 /// Forces on all particles; leaves those from other chunks and from walls to receive().
@@ -262,28 +305,25 @@ void SoftIntegrator::move(StepWeights weights, bool received)
         w.loads = cloud_.loads.data();
         w.forcing = cloud_.forcing.empty() ? nullptr : cloud_.forcing.data();
         w.step = step_;
-        for (int a = 0; a < 3; ++a) w.push[a] = cloud_.push[a], w.frame[a] = mean_[a];
+        for (int a = 0; a < 3; ++a)
+        {
+            w.push[a] = cloud_.push[a], w.frame[a] = mean_[a], w.ownFrame[a] = drift_.frame(c)[a];
+        }
         kernels().move(w);
     });
-    double fastest2 = 0, inFrame2 = 0;
     Vector3 sum;
-    for (const MoveWork& w : works_)
+    for (std::size_t c = 0; c < works_.size(); ++c)
     {
-        fastest2 = std::max(fastest2, w.fastest);
-        inFrame2 = std::max(inFrame2, w.fastestInFrame);
-        sum += {w.sum[0], w.sum[1], w.sum[2]};
+        drift_.add(c, works_[c]);
+        sum += {works_[c].sum[0], works_[c].sum[1], works_[c].sum[2]};
     }
     if (!std::isfinite(squaredNorm(sum)))
     {
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
                                  + std::to_string(step_) + " s)");
     }
-    fastest_ = std::sqrt(fastest2), fastestInFrame_ = std::sqrt(inFrame2);
     cloud_.frame = mean_;                  // the rows' from now on
     mean_ = (1/double(cloud_.size()))*sum;
-    sinceRebuild_ += fastestInFrame_*step_;
-    sinceRefresh_ += fastestInFrame_*step_;
-    sinceWalls_ += fastest_*step_;
 }
 
 /// Base velocities become the velocities.
@@ -349,7 +389,8 @@ std::size_t SoftIntegrator::bytes() const
 {
     return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
            + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
-           + works_.capacity()*sizeof(MoveWork);
+           + works_.capacity()*sizeof(MoveWork)
+           + drift_.bytes();
 }
 
 } // namespace elutria::dem

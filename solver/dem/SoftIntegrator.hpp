@@ -2,6 +2,7 @@
 
 #include "Cloud.hpp"
 #include "ContactTable.hpp"
+#include "Drift.hpp"
 #include "Engine.hpp"
 #include "LawTable.hpp"
 #include "WallTable.hpp"
@@ -22,11 +23,10 @@ namespace elutria::dem
 ///   v(t+h) = v* + h phi2 (a(t+h) - a)
 /// Between evaluations Base holds v* - h phi2 a, so that v = base + h phi2 a(t+h).
 ///
-/// Three clocks: every sub-step moves and evaluates the near pairs; a refresh chooses the near pairs
-/// from the neighbour list; a rebuild sorts the particles and searches neighbours. The last two come
-/// when something may have moved by half their margin, bounded by the sum of the steps of the
-/// fastest particle (relative to the common motion for pairs). Margins follow from the speeds and
-/// a fixed model of costs, never from a clock: the same input gives the same bits.
+/// Three rhythms: every sub-step moves and evaluates the near pairs; a chunk of particles chooses its
+/// near pairs from the neighbour list anew when some may have come closer by its margin; all is
+/// sorted and searched anew when some may have come closer by the skin (Drift). Margins follow from
+/// the speeds and a fixed model of costs, never from a clock: the same input gives the same bits.
 class SoftIntegrator
 {
 public:
@@ -46,11 +46,14 @@ private:
     void load(const Particles& particles, double step);
     void keep();
     void install();
+    void install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls);
     void rebuild();
-    void refresh();
+    void measureSpeeds();
+    void refresh(std::size_t chunk);
+    void refreshWalls(std::size_t chunk);
     void ensureLists();
     double listSkin() const;
-    double nearMargin() const;
+    double nearMargin(std::size_t chunk) const;
 
     void evaluate(StepWeights weights);
     void receive(std::size_t chunk, StepWeights weights);
@@ -67,17 +70,17 @@ private:
     PairList list_;
     ContactTable contacts_;
     WallTable atWalls_;
+    Drift drift_;
     std::vector<ContactRecord> kept_;        // history waiting for lists, by id
     std::vector<MoveWork> works_;            // of the chunks
 
     double step_ = 0;
     Vector3 mean_;                           // m/s, of the predicted velocities
     bool valid_ = false;                     // lists fit the cloud
-    double skin_ = 0, margin_ = 0, wallMargin_ = 0;
-    double sinceRebuild_ = 0, sinceRefresh_ = 0;   // m, ways bounded from above
-    double sinceWalls_ = 0;                  // m, not relative to the common motion
-    double fastest_ = 0, fastestInFrame_ = 0;      // m/s
-    std::size_t rebuilds_ = 0, refreshes_ = 0;
+    double skin_ = 0;                        // m, of the neighbour list
+    std::vector<double> margin_, wallMargin_;      // m, of each chunk
+    std::vector<std::uint8_t> stale_;        // chunks to refresh
+    std::size_t rebuilds_ = 0;
 };
 
 } // namespace elutria::dem

@@ -27,20 +27,27 @@ void WallTable::reset(std::size_t chunks, const std::vector<LastingWall>& lastin
     }
 }
 
-void WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t begin, std::size_t end,
-                        double margin)
+double WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t begin,
+                          std::size_t end, double margin)
 {
-    if (walls_.empty()) return;
+    if (walls_.empty()) return 1e300;
     Chunk& chunk = chunks_[index];
+    double nearest = 1e300;
     std::size_t made = 0, old = 0;
     for (std::size_t i = begin; i < end; ++i)
     {
         const double reach = cloud.rows[i].radius + margin;
         const Vector3 position = cloud.position(i);
-        if (walls_.distanceBound(position) > reach) continue;
+        const double bound = walls_.distanceBound(position);
+        if (bound > reach)
+        {
+            nearest = std::min(nearest, bound - cloud.rows[i].radius);
+            continue;
+        }
         if (chunk.next.size() <= made) chunk.next.emplace_back();
         Candidate& candidate = chunk.next[made];
         walls_.collect(position, reach, candidate.images);
+        nearest = margin;
         if (candidate.images.empty()) continue;
         candidate.particle = std::uint32_t(i);
         candidate.memories.clear();
@@ -54,6 +61,7 @@ void WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t begin
     chunk.current.swap(chunk.next);
     chunk.count = made;
     chunk.margin = margin;
+    return std::max(margin, nearest);
 }
 
 template<ContactLaw law>

@@ -30,8 +30,9 @@ public:
     void reset(std::size_t chunks, const std::vector<LastingWall>& lasting);
 
     /// Collects what particles [begin, end) may touch before one of them has moved by `margin`.
-    void refresh(std::size_t chunk, const Cloud& cloud, std::size_t begin, std::size_t end,
-                 double margin);
+    /// Returns the way it holds for: the margin, or more where no wall is near.
+    double refresh(std::size_t chunk, const Cloud& cloud, std::size_t begin, std::size_t end,
+                   double margin);
 
     /// Adds the forces of the walls to the loads of a chunk's particles.
     void evaluate(std::size_t chunk, Cloud& cloud, StepWeights weights);

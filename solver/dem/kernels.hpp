@@ -85,8 +85,9 @@ struct MoveWork
     Load* loads;                            // read, then cleared
     const Forcing* forcing;                 // null: no drag, `push` for all
     double push[3], step;
-    double frame[3];                        // common motion, m/s
-    double fastest, fastestInFrame;         // out: squared, (m/s)^2
+    double frame[3];                        // common motion, taken off in the rows, m/s
+    double ownFrame[3];                     // of these particles, m/s
+    double fastest, fastestInFrame;         // out: bounds of squared speeds; the latter in ownFrame
     double sum[3];                          // out: of velocities
 };
 
