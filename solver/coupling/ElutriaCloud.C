@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "ElutriaCloud.H"
+#include "ContactMemory.H"
 #include "ParcelTransfer.H"
 #include "NoCollision.H"
 #include "foamVersion.H"
@@ -93,6 +94,7 @@ void ElutriaCloud::findModels()
         recorder_ = new Recorder(settings, *this, "outlets");
         functions().append(recorder_);
     }
+    recorder_->solverWrites();
 }
 
 
@@ -256,7 +258,17 @@ void ElutriaCloud::advanceParticles(const scalar dt)
             particles_,
             [&](elutria::dem::Particles& everyone)
             {
-                report_ = contacts_->engine().advance(everyone, dt);
+                try
+                {
+                    report_ = contacts_->engine().advance(everyone, dt);
+                }
+                catch (const std::exception& error)
+                {
+                    FatalErrorInFunction
+                        << "the particles' motion failed at time "
+                        << time().timeName() << " s: " << error.what()
+                        << exit(FatalError);
+                }
                 for (const std::string& warning : report_.warnings)
                 {
                     Info<< "    Warning: " << warning.c_str() << endl;
@@ -524,6 +536,10 @@ ElutriaCloud::ElutriaCloud
     excessVolume_(0)
 {
     findModels();
+    if (contacts_)
+    {
+        contactMemory::read(*this, contacts_->engine());
+    }
 }
 
 
@@ -705,11 +721,15 @@ bool ElutriaCloud::drained(const Count& count) const
 }
 
 
-void ElutriaCloud::writeLedger()
+void ElutriaCloud::writeState()
 {
     if (recorder_)
     {
         recorder_->writeFiles();
+    }
+    if (contacts_)
+    {
+        contactMemory::write(*this, contacts_->engine());
     }
 }
 

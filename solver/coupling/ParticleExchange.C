@@ -7,8 +7,11 @@
 
 #include "ParticleExchange.H"
 #include "foamVersion.H"
-#include "Pstream.H"
+#include "PstreamBuffers.H"
+#include "UIPstream.H"
+#include "UOPstream.H"
 #include "ListOps.H"
+#include "sigFpe.H"
 
 #include <cstring>
 
@@ -89,6 +92,9 @@ void ParticleExchange::onMaster
     const std::function<void(Particles&)>& work
 )
 {
+    // The engine's vector kernels compute lanes that nobody uses
+    const sigFpe::ignore untrapped;
+
     if (!Pstream::parRun())
     {
         work(local);
@@ -151,7 +157,22 @@ void ParticleExchange::onMaster
         }
     }
 
-    Pstream::scatterList(data);
+    // Not scatterList: it leaves a processor's own entry as it was gathered
+    PstreamBuffers buffers(Pstream::commsTypes::nonBlocking);
+    if (Pstream::master())
+    {
+        for (label proci = 1; proci < Pstream::nProcs(); ++proci)
+        {
+            UOPstream os(proci, buffers);
+            os << data[proci];
+        }
+    }
+    buffers.finishedSends();
+    if (!Pstream::master())
+    {
+        UIPstream is(Pstream::masterNo(), buffers);
+        is >> data[me];
+    }
     unpack(data[me], 0, local.size(), local, true);
 }
 

@@ -18,6 +18,7 @@ Description
 #include "GasPhase.H"
 #include "ScenePlan.H"
 #include "foamVersion.H"
+#include "sigFpe.H"
 
 using namespace Foam;
 
@@ -94,6 +95,10 @@ int main(int argc, char *argv[])
     #include "addCheckCaseOptions.H"
     #include "setRootCaseLists.H"
     #include "createTime.H"
+
+    // Divergence is found and explained by GasPhase::check(), not by a trap
+    sigFpe::unset(false);
+
     #include "createMesh.H"
     #include "createControl.H"
     #include "createTimeControls.H"
@@ -141,9 +146,13 @@ int main(int argc, char *argv[])
 
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
-        if (cloud.drained(count))
+        const bool drained = cloud.drained(count);
+        if (drained || runTime.writeTime())
         {
-            cloud.writeLedger();
+            cloud.writeState();
+        }
+        if (drained)
+        {
             runTime.writeAndEnd();
         }
         else
