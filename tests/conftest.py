@@ -17,6 +17,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("filterwarnings", "ignore:invalid escape:DeprecationWarning")  # PyFoam
     config.addinivalue_line("markers", "slow: takes more than a few seconds; run with --slow")
 
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ from elutria.classify import SUMMARY_COLUMNS
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
 from elutria.run import Goal, Step, is_finished, run_case
-from elutria.sweep import SweepResult, Watcher, parse_velocities, plan, run_sweep
+from elutria.sweep import SweepResult, parse_velocities, plan, run_sweep
 
 SMALL = ["system/simulationParameters:particles=400"]
 
@@ -26,12 +27,22 @@ def started(starts: Path) -> list[str]:
     return starts.read_text().splitlines() if starts.exists() else []
 
 
+class Silent:
+    """A sweep's watcher that tells nothing."""
+
+    def progress(self, name: str, share: float, note: str) -> None:
+        pass
+
+    def finished(self, name: str, line: str) -> None:
+        pass
+
+
 def sweep(
     case: Path, to: Path, velocities: str, replicates: int = 1, extra: list[str] = SMALL
 ) -> SweepResult:
     source = Case(case)
     members = plan(source, to, parse_velocities(velocities), replicates, extra)
-    return run_sweep(source, to, members, jobs=2, np=1, watcher=Watcher())
+    return run_sweep(source, to, members, jobs=2, np=1, watcher=Silent())
 
 
 @pytest.mark.usefixtures("fake_solver")
@@ -266,3 +277,32 @@ def test_progress_goes_to_one() -> None:
     assert goal.share(Step(0.1, 0, 0, 0, 0, 0)) == pytest.approx(0.005)
     assert goal.share(Step(0.5, 100, 40, 60, 0, 0)) == 1
     assert Goal(None, 2.0).share(Step(1.0, 5, 1, 1, 3, 0)) == 0.5
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 300 kB, where the machine lets us mount one."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(place)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("may not mount a file system")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_full_disk_is_code_1_and_leaves_nothing_that_looks_whole(
+    column: Path, fake_solver: Path, small_disk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SLEEP", "0.1")
+    case = Case(column)
+    settings = case.settings_for(5, ["system/simulationParameters:particles=20000"])
+    with pytest.raises(ElutriaError) as caught:
+        run_case(case, small_disk / "run", settings)
+    assert caught.value.exit_code == 1
+    assert "\n" not in str(caught.value)
+    assert len(started(fake_solver)) == 1
+    assert not (small_disk / "run/finished.json").exists()
+    # room again: the same command goes through
+    smaller = case.settings_for(5, ["system/simulationParameters:particles=200"])
+    run_case(case, small_disk / "run", smaller)

@@ -157,7 +157,7 @@ def _curve_rows(fit: PartitionFit, events: Events) -> list[Row]:
     if not fit.ranked:
         return []
     left = events.diameter[events.has_left]
-    diameter = np.geomspace(left.min(), left.max(), 121)
+    diameter = np.geomspace(left.min(), left.max(), 241)
     return [
         dict(zip(CURVE_COLUMNS[2:], row, strict=True))
         for row in np.column_stack([diameter, *fit.band(diameter)]).tolist()

@@ -85,25 +85,26 @@ def _log_expm1(h: Array) -> Array:
     return np.asarray(h + np.log(-np.expm1(-h)))
 
 
+def _log_logistic_inverse(t: float, a: float) -> float:
+    return float(t / np.exp(a))
+
+
+def _rosin_rammler_inverse(t: float, a: float) -> float:
+    return float(np.log(np.logaddexp(0, t) / np.log(2)) / np.exp(a))
+
+
+def _whiten_inverse(t: float, a: float) -> float:
+    return float(np.log(np.logaddexp(0, t + _log_expm1(np.exp(a)))) - a)
+
+
+def _molerus_hoffmann_inverse(t: float, a: float) -> float:
+    # x^2 s + ln(x^2 s) = t + s + ln s
+    return float((np.log(wrightomega(t + np.exp(a) + a)) - a) / 2)
+
+
 MODELS = (
-    Model("log-logistic", _log_logistic, lambda t, a: t / np.exp(a), 1.0),
-    Model(
-        "Rosin-Rammler",
-        _rosin_rammler,
-        lambda t, a: np.log(np.logaddexp(0, t) / np.log(2)) / np.exp(a),
-        1.4,
-    ),
-    Model(
-        "Whiten",
-        _whiten,
-        lambda t, a: np.log(np.logaddexp(0, t + _log_expm1(np.exp(a)))) - a,
-        1.2,
-    ),
-    # x^2 s + ln(x^2 s) = l + s + ln s
-    Model(
-        "Molerus-Hoffmann",
-        _molerus_hoffmann,
-        lambda t, a: (np.log(wrightomega(t + np.exp(a) + a)) - a) / 2,
-        2.0,
-    ),
+    Model("log-logistic", _log_logistic, _log_logistic_inverse, 1.0),
+    Model("Rosin-Rammler", _rosin_rammler, _rosin_rammler_inverse, 1.4),
+    Model("Whiten", _whiten, _whiten_inverse, 1.2),
+    Model("Molerus-Hoffmann", _molerus_hoffmann, _molerus_hoffmann_inverse, 2.0),
 )

@@ -296,9 +296,9 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
             )
         current = current[key]
     try:
-        parsed = FoamFile.loads(f"value {text};")
+        parsed: Any = FoamFile.loads(f"value {text};")
         good = isinstance(parsed, Mapping) and list(parsed) == ["value"]
-        value = parsed["value"] if good else None
+        value: Any = parsed["value"] if good else None
     except Exception:
         value = None
     if value is None or isinstance(value, Mapping) or any(c in text for c in ";{}#$\n"):
@@ -307,4 +307,4 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
             "such as 5, word or (0 0 1)"
         )
     with writing_to(path.parent), FoamFile(path) as file:
-        file[tuple(keys)] = value
+        file[(keys[0], *keys[1:])] = value

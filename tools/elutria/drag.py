@@ -29,14 +29,14 @@ def schiller_naumann(reynolds: float, _sphericity: float = 1.0) -> float:
     """24/Re (1 + 0.15 Re^0.687) up to Re 1000, 0.44 above. Schiller and Naumann 1935."""
     if reynolds > 1000:
         return 0.44
-    return 24 / reynolds * (1 + 0.15 * reynolds**0.687)
+    return float(24 / reynolds * (1 + 0.15 * reynolds**0.687))
 
 
 def putnam(reynolds: float, _sphericity: float = 1.0) -> float:
     """24/Re (1 + Re^(2/3)/6) up to Re 1000, 0.424 above. Putnam 1961; OpenFOAM's sphereDrag."""
     if reynolds > 1000:
         return 0.424
-    return 24 / reynolds * (1 + reynolds ** (2 / 3) / 6)
+    return float(24 / reynolds * (1 + reynolds ** (2 / 3) / 6))
 
 
 def clift(reynolds: float, _sphericity: float = 1.0) -> float:
@@ -50,7 +50,7 @@ def haider_levenspiel(reynolds: float, sphericity: float = 1.0) -> float:
     b = 0.0964 + 0.5565 * sphericity
     c = exp(4.905 - 13.8944 * sphericity + 18.4222 * sphericity**2 - 10.2599 * sphericity**3)
     d = exp(1.4681 + 12.2584 * sphericity - 20.7322 * sphericity**2 + 15.8855 * sphericity**3)
-    return 24 / reynolds * (1 + a * reynolds**b) + c * reynolds / (d + reynolds)
+    return float(24 / reynolds * (1 + a * reynolds**b) + c * reynolds / (d + reynolds))
 
 
 def ganser(reynolds: float, sphericity: float = 1.0) -> float:

@@ -56,12 +56,12 @@ class Events:
     @property
     def has_left(self) -> Flags:
         """Whether each parcel left (is not inside)."""
-        return self.outlet != "inside"
+        return np.asarray(self.outlet != "inside")
 
     @property
     def is_coarse(self) -> Flags:
         """Whether each parcel left with the coarse product."""
-        return self.outlet == "coarse"
+        return np.asarray(self.outlet == "coarse")
 
     def __len__(self) -> int:
         return int(self.diameter.size)

@@ -239,7 +239,7 @@ class _Likelihood:
         if bypass == 0:
             return np.asarray(log_expit(np.where(self.coarse, logit, -logit)))
         log_coarse = np.log(bypass + (1 - bypass) * expit(logit))
-        return np.where(self.coarse, log_coarse, log_expit(-logit) + log1p(-bypass))
+        return np.asarray(np.where(self.coarse, log_coarse, log_expit(-logit) + log1p(-bypass)))
 
     def derivatives(
         self, model: Model, p: Array, level: float | None = None
@@ -339,7 +339,8 @@ def _fit(
     free = [0, 1, 2] if with_bypass else [0, 1]
     p, value = _maximize(likelihood, model, begin, free, _MAX_BYPASS)
     information = likelihood.derivatives(model, p)[2][np.ix_(free, free)]
-    covariance = np.linalg.inv(information) if np.linalg.cond(information) < 1e12 else None
+    known = np.linalg.cond(information) < 1e12
+    covariance = np.asarray(np.linalg.inv(information), dtype=float) if known else None
     return CurveFit(model, float(p[0]), float(p[1]), float(p[2]), value, len(free), covariance)
 
 
@@ -349,7 +350,7 @@ def _interval(likelihood: _Likelihood, ranked: list[CurveFit], level: float) -> 
     A diameter is in it when some model, its other parameters at their best, comes within the
     likelihood-ratio threshold of the best fit, AIC's price of its parameters included.
     """
-    ends = []
+    ends: list[float] = []
     for fit in ranked:
         slack = _THRESHOLD - (fit.aic - ranked[0].aic)
         if slack > 0 and isfinite(fit.diameter_at(level)):

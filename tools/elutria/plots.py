@@ -24,7 +24,7 @@ Row = dict[str, Any]
 COLUMN_WIDTH = 85 / 25.4
 """Inches."""
 
-STYLE = {
+STYLE: Any = {
     "font.size": 8,
     "axes.labelsize": 8,
     "xtick.labelsize": 7,

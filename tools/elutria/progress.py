@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import (
     BarColumn,
     Progress,
+    TaskID,
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
@@ -34,7 +35,7 @@ class ProgressDisplay:
                 TextColumn("{task.fields[note]}", style="dim"),
                 console=console,
             )
-        self._tasks: dict[str, int] = {}
+        self._tasks: dict[str, TaskID] = {}
         self._last: dict[str, float] = {}
 
     def __enter__(self) -> ProgressDisplay:
@@ -56,7 +57,7 @@ class ProgressDisplay:
         if self.bars:
             if name not in self._tasks:
                 self._tasks[name] = self.bars.add_task(name, total=1.0, note=note)
-            self.bars.update(self._tasks[name], completed=share, note=note)  # type: ignore[arg-type]
+            self.bars.update(self._tasks[name], completed=share, note=note)
         elif time.monotonic() - self._last.get(name, -1e9) >= self.every:
             self._last[name] = time.monotonic()
             self.say(f"{name}: {100 * share:.0f} % {note}".rstrip())
@@ -70,4 +71,4 @@ class ProgressDisplay:
     def close(self, name: str) -> None:
         """`name` needs no bar any more."""
         if self.bars and name in self._tasks:
-            self.bars.remove_task(self._tasks.pop(name))  # type: ignore[arg-type]
+            self.bars.remove_task(self._tasks.pop(name))

@@ -17,8 +17,8 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
     if len(names) > 1:
         headings.insert(1, "material")
     for heading in headings:
-        align = "left" if heading == "material" else "right"
-        table.add_column(heading, justify=align, no_wrap=True)
+        words = heading == "material"
+        table.add_column(heading, justify="left" if words else "right", no_wrap=True)
     for row in rows:
         if len(names) == 1 and row["material"] == "all":
             continue

@@ -12,6 +12,7 @@ import fcntl
 import os
 import re
 import shutil
+import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -211,7 +212,12 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
         # fixed words only: PyFoam hands the command to a shell
         runner = Runner(argv=command, silent=True, server=False, writeState=False)
         runner.logFile = f"log.{SOLVER}"
-        result: dict[str, Any] = runner.start()
+        try:
+            result: dict[str, Any] = runner.start()
+        except BaseException:  # our own trouble, such as a full disk: the solver must not go on
+            if runner.run.threadPid > 0:
+                os.kill(runner.run.threadPid, signal.SIGKILL)
+            raise
     runner.run.join()
     code = runner.run.returncode
     if result.get("interrupted"):

@@ -67,11 +67,11 @@ class SizeDistribution:
 
     def mass_quantile(self, share: ArrayLike) -> Array:
         """Diameter (m) below which `share` of the mass lies."""
-        return np.asarray(np.interp(share, self.by_mass, self.diameters))
+        return np.asarray(np.interp(np.asarray(share, dtype=float), self.by_mass, self.diameters))
 
     def number_quantile(self, share: ArrayLike) -> Array:
         """Diameter (m) below which `share` of the number lies."""
-        return np.asarray(np.interp(share, self.by_number, self.diameters))
+        return np.asarray(np.interp(np.asarray(share, dtype=float), self.by_number, self.diameters))
 
     def mean_volume_diameter(self) -> float:
         """Diameter (m) of the particle with the mean volume: (number mean of d^3)^(1/3)."""
@@ -81,9 +81,10 @@ class SizeDistribution:
         return float(np.sum(np.diff(self.by_number) * middle**3) ** (1 / 3))
 
     def _share(self, diameter: ArrayLike, shares: Array) -> Array:
+        at = np.asarray(diameter, dtype=float)
         if self.diameters.size == 1:
-            return np.where(np.asarray(diameter) >= self.smallest, 1.0, 0.0)
-        return np.asarray(np.interp(diameter, self.diameters, shares, left=0.0, right=1.0))
+            return np.where(at >= self.smallest, 1.0, 0.0)
+        return np.asarray(np.interp(at, self.diameters, shares, left=0.0, right=1.0))
 
 
 def tabulated(

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -54,8 +55,8 @@ class SweepResult:
     skipped: int = 0
 
 
-class Watcher:
-    """What a sweep tells while it runs; the command line shows it."""
+class Watcher(Protocol):
+    """What a sweep tells while it runs; the command line shows it. Called from several threads."""
 
     def progress(self, name: str, share: float, note: str) -> None:
         """A run is at `share` (0..1)."""

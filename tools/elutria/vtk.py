@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -78,7 +79,7 @@ def _write_collection(entries: list[tuple[float, str]], path: Path) -> Path:
     return path
 
 
-def _time(tree: ElementTree.ElementTree) -> float:
+def _time(tree: Any) -> float:
     """The TimeValue that foamToVTK writes into each file."""
     for array in tree.iter("DataArray"):
         if array.get("Name") == "TimeValue":
@@ -86,7 +87,7 @@ def _time(tree: ElementTree.ElementTree) -> float:
     return 0.0
 
 
-def _particles(tree: ElementTree.ElementTree) -> meshio.Mesh:
+def _particles(tree: Any) -> meshio.Mesh:
     """Points and point data of an ASCII .vtp file."""
     points = _array(tree.find(".//Points/DataArray"))
     data = tree.find(".//PointData")
