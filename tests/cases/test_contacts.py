@@ -1,0 +1,117 @@
+"""Contacts in elutriaFoam: restitution as asked, at any treatment, also across processors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from elutria.bench.common import run_program
+from elutria.verification.scene import (
+    BOX,
+    CONTACTS,
+    CONTROL,
+    MODELS,
+    Particles,
+    make_scene,
+    read_particles,
+    run_scene,
+)
+
+LAWS = ("hertzMindlin", "linearSpringDashpot")
+CLOSED = {
+    f"{BOX}:ends": "wall",
+    f"{BOX}:bottomGroup": "closed",
+    f"{BOX}:topGroup": "closed",
+    f"{BOX}:gravity": 0,
+    f"{MODELS}/collisionModel": "cellList",
+    f"{MODELS}/particleForces": {"gravity": {}},
+    f"{CONTROL}:deltaT": 1e-3,
+    f"{CONTROL}:endTime": 0.02,
+    f"{CONTROL}:writeInterval": 0.02,
+}
+# three pairs that meet head on, unequal sizes too; and a sphere that meets each of two walls
+PAIRS = Particles.of(
+    [
+        (0.02, 0.02, 0.02), (0.03, 0.02, 0.02),
+        (0.02, 0.05, 0.05), (0.02, 0.05, 0.06),
+        (0.08, 0.08, 0.02), (0.08, 0.07, 0.02),
+        (0.05, 0.09, 0.005), (0.09, 0.05, 0.07),
+    ],
+    [
+        (0.5, 0, 0), (-0.5, 0, 0),
+        (0, 0, 1), (0, 0, 0),
+        (0, -0.5, 0), (0, 0.1, 0),
+        (0, 0, -0.5), (0.7, 0, 0),
+    ],
+    diameter=[1e-3, 1e-3, 2e-3, 1e-3, 5e-4, 2e-3, 1e-3, 2e-3],
+)  # fmt: skip
+
+
+def bounce(folder: Path, law: str, restitution: float, treatment: str) -> tuple[float, Particles]:
+    """Largest relative error of the restitution of all the collisions, and the state after."""
+    pair = {"restitution": restitution, "friction": 0, "normalStiffness": 1000}
+    case = make_scene(
+        folder,
+        PAIRS,
+        {
+            **CLOSED,
+            f"{CONTACTS}/contactLaw": law,
+            f"{CONTACTS}/treatment": treatment,
+            f"{CONTACTS}/particleParticle": pair,
+            f"{CONTACTS}/particleWall": pair,
+        },
+    )
+    run_scene(case)
+    after = read_particles(case, "0.02")
+    found = []
+    for a, b in ((0, 1), (2, 3), (4, 5)):
+        axis = np.argmax(np.abs(PAIRS.velocity[a]))
+        approach = (PAIRS.velocity[b] - PAIRS.velocity[a])[axis]
+        found.append(-(after.velocity[b] - after.velocity[a])[axis] / approach)
+    found.append(-after.velocity[6, 2] / PAIRS.velocity[6, 2])
+    found.append(-after.velocity[7, 0] / PAIRS.velocity[7, 0])
+    return float(np.abs(np.array(found) / restitution - 1).max()), after
+
+
+@pytest.mark.parametrize("treatment", ["auto", "soft"])
+@pytest.mark.parametrize("restitution", [0.9, 0.5])
+@pytest.mark.parametrize("law", LAWS)
+def test_restitution_of_pairs_and_walls(
+    tmp_path: Path, measured, law: str, restitution: float, treatment: str
+) -> None:
+    error, after = bounce(tmp_path / "case", law, restitution, treatment)
+    measured("largest relative error of the restitution", error, 1e-3)
+    pairs = slice(0, 6)
+    before = PAIRS.mass[pairs] @ PAIRS.velocity[pairs]
+    change = after.mass[pairs] @ after.velocity[pairs] - before
+    scale = PAIRS.mass[pairs] @ np.abs(PAIRS.velocity[pairs]).sum(axis=1)
+    measured("change of the pairs' momentum over their sum", np.abs(change).max() / scale, 1e-12)
+
+
+def test_spheres_that_collide_on_a_processor_patch(tmp_path: Path, measured) -> None:
+    # they meet at z = 0.05, where the box is cut in two; another pair crosses the cut obliquely
+    spheres = Particles.of(
+        [(0.03, 0.03, 0.045), (0.03, 0.03, 0.055), (0.07, 0.07, 0.046), (0.0705, 0.07, 0.052)],
+        [(0, 0, 0.5), (0, 0, -0.5), (0, 0, 0.8), (0, 0, 0.1)],
+        diameter=2e-3,
+    )
+    settings = {
+        **CLOSED,
+        f"{BOX}:cellsAlong": 2,
+        f"{CONTACTS}/particleParticle": {"restitution": 0.8, "friction": 0.4},
+    }
+    states = []
+    for processors in (1, 2):
+        case = make_scene(tmp_path / f"{processors}", spheres, settings)
+        log = run_scene(case, processors)
+        assert all("inside 4" in line for line in log.splitlines() if "inside" in line)
+        if processors > 1:
+            run_program(["reconstructPar", "-latestTime"], case)
+        states.append(read_particles(case, "0.02"))
+    serial, parallel = states
+    assert serial.velocity[0, 2] < 0 < serial.velocity[1, 2], "the pair has collided"
+    for name, scale in (("position", 0.1), ("velocity", 0.5), ("spin", 100)):
+        difference = np.abs(getattr(serial, name) - getattr(parallel, name)).max() / scale
+        measured(f"{name}, serial against two processors", difference, 1e-12)
