@@ -1,0 +1,148 @@
+"""What a feed becomes: the sizes asked for, and the cut of a plug flow."""
+
+from __future__ import annotations
+
+from math import log
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.special import erf
+
+from elutria.classify import fit_events
+from elutria.events import Events, read_run
+from elutria.verification.scene import (
+    BOX,
+    CLOUD,
+    CONTROL,
+    MODELS,
+    add_feed,
+    make_scene,
+    run_scene,
+)
+
+Array = NDArray[np.float64]
+
+# d50 (m) of quartz, 2650 kg/m3, at the gas velocities (m/s): terminal velocity by Schiller-Naumann
+# in air of 1.2 kg/m3 and 1.8e-5 Pa s, g 9.81
+PLUG_FLOW = {0.5: 90.7e-6, 1: 146.3e-6, 2: 260.2e-6, 3: 385.2e-6, 5: 667.6e-6, 8: 1155e-6}
+
+
+@pytest.mark.parametrize("velocity", PLUG_FLOW)
+@pytest.mark.parametrize("collisions", ["none", "cellList"])
+def test_cut_of_a_thin_feed_in_plug_flow(
+    tmp_path: Path, measured, collisions: str, velocity: float
+) -> None:
+    cut = PLUG_FLOW[velocity]
+    case = make_scene(
+        tmp_path / "case",
+        settings={
+            f"{BOX}:gasVelocity": velocity,
+            f"{BOX}:gravity": -9.81,
+            f"{BOX}:width": 0.2,
+            f"{BOX}:depth": 0.2,
+            f"{BOX}:height": 0.04,
+            f"{BOX}:cellsAcross": 8,
+            f"{BOX}:cellsAlong": 2,
+            f"{CLOUD}:solution/coupled": True,
+            f"{MODELS}/collisionModel": collisions,
+            f"{CONTROL}:deltaT": 0.01 * velocity,
+            f"{CONTROL}:endTime": 1000,
+            f"{CONTROL}:writeInterval": 1000,
+            "system/scenePlan:gas": "auto",
+            "system/scenePlan:convergeGas": "auto",
+        },
+    )
+    sizes = {"type": "uniform", "min": 0.9 * cut, "max": 1.1 * cut}
+    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    add_feed(
+        case,
+        {
+            "loading": 1e-4,
+            "particles": 200,
+            "drainTime": 15 / velocity,
+            "materials": {"quartz": quartz},
+        },
+    )
+    run_scene(case)
+    events = read_run(case).events
+    assert events.has_left.mean() > 0.95
+    d50 = fit_events(events).d50
+    measured(f"d50 {d50 * 1e6:.1f} um, relative error", abs(d50 / cut - 1), 3e-3)
+
+
+def rosin_rammler(diameter: Array) -> Array:
+    """By mass, d63 0.6 mm, n 3, cut to 0.2..1.2 mm."""
+    low, high, share = (-np.expm1(-((d / 6e-4) ** 3)) for d in (2e-4, 1.2e-3, diameter))
+    return (share - low) / (high - low)
+
+
+def log_normal(diameter: Array) -> Array:
+    """d50 0.3 mm, geometric standard deviation 1.5, cut to 0.1..0.9 mm."""
+    low, high, share = (
+        0.5 * (1 + erf(np.log(np.asarray(d) / 3e-4) / (2**0.5 * log(1.5))))
+        for d in (1e-4, 9e-4, diameter)
+    )
+    return (share - low) / (high - low)
+
+
+def fed(folder: Path, weighting: str) -> Events:
+    """All particles of a feed of two materials, just after they have entered."""
+    case = make_scene(
+        folder,
+        settings={
+            **{f"{BOX}:{name}": 1 for name in ("width", "depth", "height")},
+            f"{CONTROL}:deltaT": 0.01,
+            f"{CONTROL}:endTime": 0.02,
+            f"{CONTROL}:writeInterval": 0.01,
+        },
+    )
+    rosin = {"type": "RosinRammler", "d63": 6e-4, "n": 3, "min": 2e-4, "max": 1.2e-3}
+    normal = {"type": "logNormal", "d50": 3e-4, "sigma": 1.5, "min": 1e-4, "max": 9e-4}
+    materials = {
+        "quartz": {
+            "density": 2650,
+            "massFraction": 0.7,
+            "sizeDistribution": {**rosin, "weighting": weighting},
+        },
+        "galena": {
+            "density": 7600,
+            "massFraction": 0.3,
+            "sizeDistribution": {**normal, "weighting": weighting},
+        },
+    }
+    add_feed(case, {"massFlowRate": 100, "particles": 8000, "materials": materials})
+    run_scene(case)
+    events = read_run(case).events
+    assert len(events) == 8000
+    return events
+
+
+def kolmogorov_smirnov(diameter: Array, weight: Array, law) -> tuple[float, float]:
+    """Largest difference of the weighted distribution from `law`, and its critical value at 1 %.
+
+    The effective number of weighted events is Kish's.
+    """
+    order = np.argsort(diameter)
+    share = np.cumsum(weight[order]) / weight.sum()
+    asked = law(diameter[order])
+    before = np.concatenate([[0], share[:-1]])
+    difference = max(np.abs(share - asked).max(), np.abs(before - asked).max())
+    return float(difference), 1.63 / (weight.sum() ** 2 / (weight**2).sum()) ** 0.5
+
+
+@pytest.mark.parametrize("weighting", ["mass", "number"])
+def test_the_feed_is_distributed_as_asked(tmp_path: Path, measured, weighting: str) -> None:
+    events = fed(tmp_path / "case", weighting)
+    shares = {}
+    for name, law in {"quartz": rosin_rammler, "galena": log_normal}.items():
+        sample = events.of_material(name)
+        shares[name] = sample.mass.sum() / events.mass.sum()
+        weights = {"mass": sample.mass, "number": np.ones(len(sample))}
+        difference, critical = kolmogorov_smirnov(sample.diameter, weights.pop(weighting), law)
+        measured(f"{name} by {weighting}: Kolmogorov-Smirnov distance", difference, critical)
+        (fallacy,) = weights.values()
+        wrong, critical = kolmogorov_smirnov(sample.diameter, fallacy, law)
+        assert wrong > critical, "the other weighting would be told apart"
+    measured("share of quartz in the feed's mass", abs(shares["quartz"] - 0.7), 0.03)

@@ -1,0 +1,105 @@
+"""A run cut in pieces, in space (processors) or time (restart), gives what a whole run gives."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from elutria.verification.scene import (
+    BOX,
+    CONTROL,
+    MODELS,
+    add_feed,
+    change,
+    make_scene,
+    run_scene,
+)
+
+FEED = {
+    "massFlowRate": 2e-3,
+    "particles": 400,
+    "velocity": [0.2, 0, 0],
+    "materials": {
+        "quartz": {
+            "density": 2650,
+            "massFraction": 1,
+            "sizeDistribution": {"type": "uniform", "min": 2e-4, "max": 6e-4},
+        }
+    },
+}
+
+
+def column(folder: Path, **control) -> Path:
+    case = make_scene(
+        folder,
+        settings={
+            f"{BOX}:gasVelocity": 2,
+            f"{BOX}:cellsAcross": 4,
+            f"{BOX}:cellsAlong": 4,
+            f"{MODELS}/collisionModel": "cellList",
+            f"{CONTROL}:deltaT": 1e-3,
+            f"{CONTROL}:endTime": 0.3,
+            f"{CONTROL}:writeInterval": 0.1,
+            **{f"{CONTROL}:{name}": value for name, value in control.items()},
+        },
+    )
+    add_feed(case, FEED)
+    return case
+
+
+def rows(case: Path) -> list[list[str]]:
+    """All recorded rows, of every start of the run, sorted by time and number."""
+    found = []
+    for table in (case / "postProcessing/outlets").rglob("particles.csv"):
+        found += [line.split(",") for line in table.read_text().splitlines()[1:]]
+    return sorted(found, key=lambda row: (float(row[0]), int(row[3])))
+
+
+def compare(one: Path, other: Path, measured, what: str) -> None:
+    """The same particles left, through the same outlets; times and speeds to rounding."""
+    first, second = rows(one), rows(other)
+    numbers = [row[3] for row in first]
+    assert len(numbers) > 100
+    assert len(set(numbers)) == len(numbers)
+    assert [row[1:5] for row in first] == [row[1:5] for row in second]
+    values = [np.array([[float(row[i]) for i in (0, 7, 8, 9, 10)] for row in table])
+              for table in (first, second)]  # fmt: skip
+    measured(what, np.abs(values[0] - values[1]).max(), 1e-6)
+    for case in (one, other):
+        ledger = json.loads((case / "postProcessing/ledger.json").read_text())
+        assert ledger["total"]["lost"]["parcels"] == 0
+        left = sum(outlet["parcels"] for outlet in ledger["total"]["outlets"].values())
+        assert left == len(numbers)
+
+
+def test_two_processors_record_what_one_records(tmp_path: Path, measured) -> None:
+    serial, parallel = (column(tmp_path / name) for name in ("serial", "parallel"))
+    run_scene(serial)
+    run_scene(parallel, processors=2)
+    compare(serial, parallel, measured, "largest difference of a row, s and m/s")
+
+
+def test_a_restart_goes_on_as_if_uninterrupted(tmp_path: Path, measured) -> None:
+    whole, parts = (column(tmp_path / name) for name in ("whole", "parts"))
+    run_scene(whole)
+    change(parts, {f"{CONTROL}:endTime": 0.1})
+    run_scene(parts)
+    change(parts, {f"{CONTROL}:endTime": 0.3})
+    run_scene(parts)
+    compare(whole, parts, measured, "largest difference of a row, s and m/s")
+
+
+def test_a_restart_from_before_the_end_takes_back_what_was_recorded_later(
+    tmp_path: Path, measured
+) -> None:
+    # as after a crash: the run had gone beyond the last time it wrote
+    whole, parts = (column(tmp_path / name) for name in ("whole", "parts"))
+    run_scene(whole)
+    change(parts, {f"{CONTROL}:endTime": 0.2})
+    run_scene(parts)
+    change(parts, {f"{CONTROL}:endTime": 0.3, f"{CONTROL}:startFrom": "startTime",
+                   f"{CONTROL}:startTime": 0.1})  # fmt: skip
+    run_scene(parts)
+    compare(whole, parts, measured, "largest difference of a row, s and m/s")

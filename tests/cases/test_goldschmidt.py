@@ -1,0 +1,33 @@
+"""OpenFOAM's own fluidised bed runs with nothing but its collision model changed."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+from pathlib import Path
+
+import pytest
+
+from elutria.bench.common import run_program
+from elutria.verification.scene import CONTROL, MODELS, change, run_scene
+
+TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
+
+
+@pytest.mark.parametrize("solver", ["elutriaFoam", "DPMFoam"])
+def test_three_steps_of_the_tutorial(tmp_path: Path, solver: str) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(TUTORIAL, case)
+    for packed in case.rglob("*.gz"):
+        packed.with_suffix("").write_bytes(gzip.decompress(packed.read_bytes()))
+        packed.unlink()
+    change(
+        case,
+        {f"{MODELS}/collisionModel": "cellList", f"{CONTROL}:endTime": 6e-5},
+    )
+    if solver == "DPMFoam":
+        change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
+    run_program(["blockMesh"], case)
+    log = run_scene(case, solver=solver)
+    assert log.count("\nTime = ") == 3
+    assert ("inside 24750" in log) or ("Current number of parcels       = 24750" in log)
