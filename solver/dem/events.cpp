@@ -113,16 +113,17 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
 void EventDriven::predictWall(std::uint32_t a, double from)
 {
     State& state = states_[a];
-    if (walls_.distanceBound(state.bound.centre) > state.bound.reach) return;
-    walls_.collect(state.bound.centre, state.bound.reach, images_);
     const Traveller& t = (*members_)[a];
+    const double time = end_ - from;
+    walls_.collect(t.flight.position, t.flight.at(time).position,
+                   t.radius + t.flight.chordDeviation(time), images_);
     Meeting first;
     for (const Walls::Image& image : images_)
     {
         const auto nearest = [&](const Vector3& p) { return walls_.nearestPoint(image, p); };
         Meeting m{0, true};
         if (norm(t.flight.position - nearest(t.flight.position)) >= (1 - shallow)*t.radius)
-            m = wallMeeting(t.flight, t.radius, 0, end_ - from, nearest);
+            m = wallMeeting(t.flight, t.radius, 0, time, nearest);
         if (m.time > first.time || (m.time == first.time && !m.lasting)) continue;
         first = m;
         state.nextWall = image;

@@ -294,13 +294,7 @@ bool Hybrid::meetsWall(std::uint32_t i, double duration)
 {
     const Flight& flight = start_[i].flight;
     const double radius = start_[i].radius;
-    const Vector3 moved = ends_[i].position - flight.position;
-    const Vector3 centre = flight.position + 0.5*moved;
-    const double bound = walls_.distanceBound(centre);
-    if (bound > radius + slack_[i]
-        && squaredNorm(moved) < 4*(bound - radius - slack_[i])*(bound - radius - slack_[i]))
-        return false;
-    walls_.collect(centre, radius + 0.5*norm(moved) + slack_[i], images_);
+    walls_.collect(flight.position, ends_[i].position, radius + slack_[i], images_);
     bool meets = false, touches = false, overlaps = false;
     for (const Walls::Image& image : images_)
     {

@@ -89,11 +89,11 @@ std::uint64_t Walls::key(const Triangle& t, const Foot& foot) const
 }
 
 
-void Walls::collectImage(const Vector3& centre, double reach, const Vector3& shift,
+void Walls::collectImage(const Vector3& low, const Vector3& high, const Vector3& shift,
                          std::vector<Image>& found) const
 {
-    const Vector3 p = centre - shift;
-    const double squaredReach = reach*reach;
+    const Vector3 from = low - shift, to = high - shift;
+    const Vector3 middle = 0.5*(from + to), half = 0.5*(to - from);
     std::uint32_t stack[64];
     int height = 0;
     stack[height++] = 0;
@@ -101,7 +101,8 @@ void Walls::collectImage(const Vector3& centre, double reach, const Vector3& shi
     {
         const std::uint32_t index = stack[--height];
         const Node& node = nodes_[index];
-        if (squaredDistanceToBox(p, node.low, node.high) > squaredReach) continue;
+        if (node.low.x > to.x || node.high.x < from.x || node.low.y > to.y
+            || node.high.y < from.y || node.low.z > to.z || node.high.z < from.z) continue;
         if (!node.leaf)
         {
             stack[height++] = node.begin;
@@ -111,7 +112,10 @@ void Walls::collectImage(const Vector3& centre, double reach, const Vector3& shi
         for (std::uint32_t i = node.begin; i < node.end; ++i)
         {
             const Triangle& t = triangles_[order_[i]];
-            if (std::abs(dot(t.normal, p - t.corner)) <= reach) found.push_back({order_[i], shift});
+            const double width = std::abs(t.normal.x)*half.x + std::abs(t.normal.y)*half.y
+                                 + std::abs(t.normal.z)*half.z;
+            if (std::abs(dot(t.normal, middle - t.corner)) <= width*(1 + 1e-12))
+                found.push_back({order_[i], shift});
         }
     }
 }
@@ -120,24 +124,62 @@ void Walls::collectImage(const Vector3& centre, double reach, const Vector3& shi
 void Walls::collect(const Vector3& centre, double reach, std::vector<Image>& found) const
 {
     found.clear();
-    if (triangles_.empty() || distanceBound(centre) > reach) return;
-    if (!box_.any()) return collectImage(centre, reach, {}, found);
+    if (distanceBound(centre) > reach) return;
+    const Vector3 around{reach, reach, reach};
+    collectBox(centre - around, centre + around, found);
+}
 
-    const Vector3 inside = box_.wrapped(centre);
-    const Vector3 home = centre - inside;
+
+void Walls::collect(const Vector3& from, const Vector3& to, double reach,
+                    std::vector<Image>& found) const
+{
+    found.clear();
+    if (!near(from, to, reach)) return;
+    Vector3 low, high;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        low[axis] = std::min(from[axis], to[axis]) - reach;
+        high[axis] = std::max(from[axis], to[axis]) + reach;
+    }
+    collectBox(low, high, found);
+}
+
+
+/// From point to point along the way, each as far ahead as the distance bound allows.
+bool Walls::near(const Vector3& from, const Vector3& to, double reach) const
+{
+    if (triangles_.empty()) return false;
+    const double length = norm(to - from);
+    for (double way = 0;;)
+    {
+        const double room = distanceBound(from + (length > 0 ? way/length : 0)*(to - from)) - reach;
+        if (room <= 0) return true;
+        if (way + room >= length) return false;
+        way += std::max(room, 1e-3*length);
+    }
+}
+
+
+void Walls::collectBox(const Vector3& low, const Vector3& high, std::vector<Image>& found) const
+{
+    if (triangles_.empty()) return;
+    if (!box_.any()) return collectImage(low, high, {}, found);
+
+    const Vector3 middle = 0.5*(low + high), inside = box_.wrapped(middle);
+    const Vector3 home = middle - inside;
     int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
     for (int axis = 0; axis < 3; ++axis)
     {
         if (!box_.periodic[axis]) continue;
-        if (inside[axis] - reach <= box_.low[axis]) first[axis] = -1;
-        if (inside[axis] + reach >= box_.high[axis]) last[axis] = 1;
+        const double half = 0.5*(high[axis] - low[axis]);
+        if (inside[axis] - half <= box_.low[axis]) first[axis] = -1;
+        if (inside[axis] + half >= box_.high[axis]) last[axis] = 1;
     }
     const Vector3 length = box_.high - box_.low;
     for (int i = first[0]; i <= last[0]; ++i)
         for (int j = first[1]; j <= last[1]; ++j)
             for (int k = first[2]; k <= last[2]; ++k)
-                collectImage(centre, reach,
-                             home + Vector3{i*length.x, j*length.y, k*length.z}, found);
+                collectImage(low, high, home + Vector3{i*length.x, j*length.y, k*length.z}, found);
 }
 
 

@@ -84,8 +84,15 @@ public:
         Vector3 shift;
     };
 
-    /// Triangles with a point within `reach` of `centre` (a superset, ascending); replaces `found`.
+    /// False only if no wall comes within `reach` of the straight way from `from` to `to`.
+    bool near(const Vector3& from, const Vector3& to, double reach) const;
+
+    /// Triangles with a point within `reach` of `centre` (a superset); replaces `found`.
     void collect(const Vector3& centre, double reach, std::vector<Image>& found) const;
+
+    /// Triangles that come within `reach` of the straight way from `from` to `to` (a superset).
+    void collect(const Vector3& from, const Vector3& to, double reach,
+                 std::vector<Image>& found) const;
 
     /// Contacts of the sphere with gap <= reach, among triangles collected for a region that
     /// covers it; replaces `found`, in order of increasing gap.
@@ -142,7 +149,8 @@ private:
         return (std::uint64_t(1) << 32) + triangles_[triangle].plane;
     }
     double distanceFromGrid(const Vector3& position) const;
-    void collectImage(const Vector3& centre, double reach, const Vector3& shift,
+    void collectBox(const Vector3& low, const Vector3& high, std::vector<Image>& found) const;
+    void collectImage(const Vector3& low, const Vector3& high, const Vector3& shift,
                       std::vector<Image>& found) const;
 
     void check() const;
@@ -151,6 +159,7 @@ private:
     std::uint32_t buildTree(std::uint32_t begin, std::uint32_t end);
     void buildGrid();
     std::vector<double> squaredDistances() const;
+    double distanceNear(const Vector3& position, double guess) const;
 
     WallGeometry geometry_;
     PeriodicBox box_;

@@ -13,7 +13,7 @@ namespace
 {
 
 constexpr double weldTolerance = 1e-9;         // of the walls' extent
-constexpr double gridTarget = 1 << 18;         // cells of the distance table
+constexpr double cellsPerTriangle = 512, fewestCells = 1 << 13, mostCells = 1 << 18;
 constexpr std::uint32_t leafSize = 4;
 
 /// Gives points closer than a tolerance the same number; periodic images are the same point.
@@ -332,8 +332,8 @@ std::uint32_t Walls::buildTree(std::uint32_t begin, std::uint32_t end)
 }
 
 
-/// Distance from cell centre to the centre of the nearest cell that a triangle crosses, less a
-/// cell's diagonal, bounds the distance of any point of the cell to the walls from below.
+/// The distance of a cell's centre from the walls, less half the cell's diagonal, bounds the distance
+/// of any point of the cell from below.
 void Walls::buildGrid()
 {
     gridLow_ = nodes_[0].low, gridHigh_ = nodes_[0].high;
@@ -345,7 +345,9 @@ void Walls::buildGrid()
         gridHigh_[axis] = box_.periodic[axis] ? box_.high[axis] : gridHigh_[axis] + margin;
         volume *= gridHigh_[axis] - gridLow_[axis];
     }
-    const double size = std::cbrt(volume/gridTarget);
+    const double wanted =
+        std::clamp(cellsPerTriangle*double(order_.size()), fewestCells, mostCells);
+    const double size = std::cbrt(volume/wanted);
     std::size_t cells = 1;
     Vector3 spacing;
     for (int axis = 0; axis < 3; ++axis)
@@ -356,17 +358,43 @@ void Walls::buildGrid()
         gridInverse_[axis] = gridCells_[axis]/length;
         spacing[axis] = length/gridCells_[axis];
     }
-    const std::vector<double> squared = squaredDistances();
+    std::vector<double> distances = squaredDistances();
     const double diagonal = norm(spacing)*(1 + 1e-9);
-    const double largest = std::sqrt(*std::max_element(squared.begin(), squared.end()));
-    boundUnit_ = std::max(largest, diagonal)/255;
+    for (std::size_t i = 0; i < cells; ++i)
+    {
+        const std::size_t x = i % gridCells_[0], y = i/gridCells_[0] % gridCells_[1],
+                          z = i/gridCells_[0]/gridCells_[1];
+        const Vector3 centre = gridLow_ + Vector3{(double(x) + 0.5)*spacing.x,
+                                                  (double(y) + 0.5)*spacing.y,
+                                                  (double(z) + 0.5)*spacing.z};
+        const double guess = std::sqrt(distances[i]);
+        distances[i] = guess < 6*diagonal ? distanceNear(centre, guess + 0.5*diagonal)
+                                          : guess - 0.5*diagonal;
+    }
+    boundUnit_ = std::max(*std::max_element(distances.begin(), distances.end()), diagonal)/255;
     bound_.resize(cells);
     for (std::size_t i = 0; i < cells; ++i)
         bound_[i] = static_cast<std::uint8_t>(
-            std::max(0.0, std::sqrt(squared[i]) - diagonal)/boundUnit_);
+            std::max(0.0, distances[i] - 0.5*diagonal)/boundUnit_);
 }
 
 
+/// Distance to the walls, known to be at most `guess`.
+double Walls::distanceNear(const Vector3& position, double guess) const
+{
+    thread_local std::vector<Image> around;
+    around.clear();
+    const Vector3 reach{guess, guess, guess};
+    collectBox(position - reach, position + reach, around);
+    double nearest = guess;
+    for (const Image& image : around)
+        nearest = std::min(nearest, norm(position - nearestPoint(image, position)));
+    return nearest;
+}
+
+
+/// Squared distances from each cell's centre to that of the nearest cell that a triangle crosses; the
+/// wall itself is within half a diagonal of the latter.
 std::vector<double> Walls::squaredDistances() const
 {
     const auto& n = gridCells_;
