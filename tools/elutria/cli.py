@@ -175,7 +175,9 @@ def verify(
 
     names = sorted(_modules(verification)) if name == "all" else [name]
     for chosen in names:
-        folder = to or Path("results/verify") / chosen
+        folder = to or Path("results/verify")
+        if to is None or name == "all":
+            folder /= chosen
         _run_module(verification, chosen, folder, 1, quick, option)
 
 
