@@ -11,6 +11,7 @@ import math
 import re
 import warnings
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -196,16 +197,23 @@ def _shown(path: Path, case: Path | None) -> str:
     return str(path)
 
 
-def _parse(path: Path, shown: str) -> dict[Any, Any]:
-    text = re.sub(r"\$\{([\w.:]+)\}", r"$\1", read_text(path, limit=5_000_000))
+def _parse(path: Path, shown: str) -> Mapping[Any, Any]:
+    """The entries of a file as foamlib gives them; those that include are lists of names."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            parsed = FoamFile.loads(text)
+        return _parse_text(read_text(path, limit=5_000_000))
+    except InputError:
+        raise
     except RecursionError as error:
         raise InputError(f"{shown}: brackets are nested too deeply") from error
     except Exception as error:  # whatever a parser makes of rubbish, the user is told the file
         raise InputError(f"{shown}: is not an OpenFOAM dictionary: {one_line(error)}") from error
+
+
+@lru_cache(maxsize=64)
+def _parse_text(text: str) -> Mapping[Any, Any]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        parsed: Any = FoamFile.loads(re.sub(r"\$\{([\w.:]+)\}", r"$\1", text))
     if not isinstance(parsed, Mapping):
         return {None: parsed}
     repeated = getattr(parsed, "getall", lambda key: [parsed[key]])

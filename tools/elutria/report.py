@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 
@@ -12,7 +13,9 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
     """The summary with sizes in um; `all` is left out where there is one material."""
     rows = list(rows)
     names = {row["material"] for row in rows} - {"all"}
-    table = Table(title="Classification (sizes in um)", title_justify="left", padding=(0, 1, 0, 0))
+    table = Table(
+        title="Classification (sizes in um)", title_justify="left", box=SIMPLE_HEAD, pad_edge=False
+    )
     headings = ["U m/s", "d25", "d50", "95 %", "d75", "sharpness", "bypass", "fines", "fed", "lost"]
     if len(names) > 1:
         headings.insert(1, "material")

@@ -261,6 +261,6 @@ def _reason(log: Path) -> str:
     for number, line in enumerate(lines):
         if "FOAM FATAL" in line:
             what = [text for text in lines[number + 1 : number + 8] if text.strip()][:2]
-            return one_line(" ".join(what)) + f" (see {log})"
+            return one_line(" ".join(what), 400) + f" (see {log})"
     last = [line for line in lines if line.strip()][-1:]
-    return (one_line(last[0]) + f" (see {log})") if last else f"see {log}"
+    return (one_line(last[0], 400) + f" (see {log})") if last else f"see {log}"
