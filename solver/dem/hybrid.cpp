@@ -19,7 +19,7 @@ namespace
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t crowd = 256;           // island of impacts above which a step is cut
 constexpr int mostCuts = 12;                 // halvings of a step
-constexpr double cutLimit = 16;              // no piece shorter than this many sub-steps
+constexpr double fewSubSteps = 24;           // these cost no more than looking around first
 constexpr int separationRounds = 5, separationSweeps = 20;
 
 class Stopwatch
@@ -40,6 +40,14 @@ bool recordBefore(const ContactRecord& a, const ContactRecord& b)
 {
     if (a.first != b.first) return a.first < b.first;
     return a.second != b.second ? a.second < b.second : a.wall < b.wall;
+}
+
+/// Contacts counted once for each particle they hold.
+std::size_t contactEnds(const std::vector<ContactRecord>& records)
+{
+    std::size_t ends = 0;
+    for (const ContactRecord& record : records) ends += record.wall ? 1 : 2;
+    return ends;
 }
 
 /// Squared distance of the origin from the segment d + s*along, 0 <= s <= 1.
@@ -73,6 +81,7 @@ void Hybrid::importContacts(const std::vector<ContactRecord>& records)
     records_ = records;
     std::sort(records_.begin(), records_.end(), recordBefore);
     plainRules_ = false;
+    contactEnds_ = contactEnds(records_);
 }
 
 
@@ -87,7 +96,12 @@ void Hybrid::usePlain()
 void Hybrid::advance(Particles& particles, double duration, StepReport& report)
 {
     if (particles.size() == 0) return;
-    if (plainRules_) return runPlain(particles, duration, report);
+    const bool forced = settings_.treatment == ContactTreatment::impact;
+    const double softStep = stepLimit_(particles);
+    // from the state alone, so that a restart decides alike
+    if (!forced && (duration <= fewSubSteps*softStep || 2*contactEnds_ > particles.size()))
+        return runPlain(particles, duration, report);
+    if (plainRules_) importContacts(plain_.exportContacts());
 
     load(particles);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
@@ -95,8 +109,7 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
     while (done < whole)
     {
         length = std::min(length, whole - done);
-        const bool mayCut = length > 1
-            && duration*length/whole > cutLimit*stepLimit_(particles);
+        const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
         switch (piece(duration*length/whole, mayCut, report))
         {
             case Outcome::tooLong:
@@ -158,7 +171,7 @@ void Hybrid::store(Particles& p) const
 }
 
 
-/// The soft law for all; it stays so for the steps to come until few particles touch.
+/// The soft law for all.
 void Hybrid::runPlain(Particles& particles, double duration, StepReport& report)
 {
     const Stopwatch watch(report.softSeconds);
@@ -171,8 +184,7 @@ void Hybrid::runPlain(Particles& particles, double duration, StepReport& report)
     for (std::size_t i = 0; i < before.size(); ++i)
         particles.dragImpulse.set(i, particles.dragImpulse[i] + before[i]);
 
-    if (2*report.touching + report.wallTouching >= particles.size()/4) return;
-    importContacts(plain_.exportContacts());
+    contactEnds_ = 2*report.touching + report.wallTouching;
 }
 
 
@@ -196,8 +208,6 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         }
         std::sort(touching_.begin(), touching_.end());
         touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
-        if (!forced && 2*touching_.size() > start_.size() && start_.size() > 16)
-            return Outcome::contactsRule;
         makeIslands();
         std::size_t largest = 0;
         for (const Island& island : islands_)
@@ -546,6 +556,7 @@ void Hybrid::finishPiece(double duration, StepReport& report)
     for (const ContactRecord& record : records_)
         ++(record.wall ? report.wallTouching : report.touching);
     report.freeParticles = free;
+    contactEnds_ = 2*report.touching + report.wallTouching;
     std::sort(records_.begin(), records_.end(), recordBefore);
 }
 

@@ -24,7 +24,8 @@ namespace elutria::dem
 ///     other): the two are moved apart before the step, their centre of mass kept, without
 ///     touching velocities, so that no energy comes out of it.
 ///  6. A step too long for its density, where candidates crowd, is cut into halves. Where most
-///     particles touch, or halving no longer helps, all take the soft law (the plain engine).
+///     particles touch, halving no longer helps, or the step is but a few sub-steps long, all take
+///     the soft law (the plain engine), until few touch.
 ///
 /// Particles are handled in the order of their ids: neither the caller's order nor the number of
 /// threads shows in the result.
@@ -75,7 +76,8 @@ private:
     IslandStepper stepper_;
 
     std::vector<ContactRecord> records_;       // sorted by first, second
-    bool plainRules_ = false;                  // most particles touch: the plain engine steps
+    bool plainRules_ = false;                  // the plain engine steps and holds the history
+    std::size_t contactEnds_ = 0;              // of the history, twice for a pair
 
     std::vector<std::uint32_t> order_;         // canonical index -> caller's index
     std::vector<Traveller> start_;             // state at the start of the piece

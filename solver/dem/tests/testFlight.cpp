@@ -45,7 +45,7 @@ double firstTouch(const Flight& a, const Flight& b, double distance, double dura
     {
         return norm(a.at(t).position - b.at(t).position) - distance;
     };
-    const int samples = 20000;
+    const int samples = 5000;
     for (int i = 1; i <= samples; ++i)
     {
         double low = duration*(i - 1)/samples, high = duration*i/samples;
