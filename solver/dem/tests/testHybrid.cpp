@@ -136,6 +136,66 @@ TEST_CASE("hybrid: two spheres collide alike with impacts and with the soft law,
             }
 }
 
+TEST_CASE("hybrid: chains of impacts within one step as in many short steps")
+{
+    std::size_t merged = 0, impacts = 0;
+    for (int seed = 0; seed < 10; ++seed)
+    {
+        Uniform random(100 + seed);
+        const Vector3 low{0, 0, 0}, high{0.01, 0.01, 0.01};
+        const Walls walls(shapes::box(low, high, 2));
+        Particles once = cloud(random, low, high, 4, 0.2e-3, 0.9e-3, 1);
+        addGravity(once);
+        once.gasVelocity.assign(once.size(), {0.3, 0, 0});
+        for (std::size_t i = 0; i < once.size(); ++i)
+            once.dragRate.push_back(std::pow(10, random(-1, 2)));
+        Particles often = once;
+        const auto materials = grains(0.9, 0.3, 1e15);      // nothing lasts
+        Engine a(with(ContactTreatment::automatic), materials, walls);
+        Engine b(with(ContactTreatment::automatic), materials, walls);
+        const StepReport report = a.advance(once, 2e-3);
+        for (int k = 0; k < 32; ++k) b.advance(often, 2e-3/32);
+        REQUIRE(report.subSteps == 0);
+        merged += report.mergedIslands;
+        impacts += report.impacts;
+        for (std::size_t i = 0; i < once.size(); ++i)
+        {
+            CHECK(norm(once.position[i] - often.position[i]) < 1e-9);
+            CHECK(norm(once.velocity[i] - often.velocity[i]) < 1e-6);
+            CHECK(norm(once.spin[i] - often.spin[i]) < 1e-2);
+        }
+    }
+    MESSAGE("impacts " << impacts << " merged islands " << merged);
+    CHECK(merged > 20);
+}
+
+TEST_CASE("hybrid: three spheres that meet at once are handed to the soft law")
+{
+    Particles result[2];
+    for (const bool soft : {false, true})
+    {
+        Particles& p = result[soft];
+        scenes::addSphere(p, {-0.3e-3, 0, 0}, 1e-3, 2500);
+        scenes::addSphere(p, {2e-3, 0.1e-3, 0}, 1e-3, 2500);
+        scenes::addSphere(p, {2e-3 + 1.6e-3 + 1e-8, 0.1e-3 - 1.2e-3, 0}, 1e-3, 2500);
+        p.velocity.set(0, {1, 0, 0});
+        const Vector3 momentum = scenes::momentum(p), turning = scenes::angularMomentum(p);
+        Settings settings = with(soft ? ContactTreatment::soft : ContactTreatment::automatic);
+        settings.stepFraction = 0.005;
+        Engine engine(settings, grains(0.8, 0.3, 1e9));
+        std::size_t subSteps = 0;
+        for (int k = 0; k < 2; ++k) subSteps += engine.advance(p, 5e-4).subSteps;
+        CHECK(subSteps > 0);
+        CHECK(norm(scenes::momentum(p) - momentum) < 1e-12*norm(momentum));
+        CHECK(norm(scenes::angularMomentum(p) - turning) < 1e-8*norm(momentum)*1e-3);
+    }
+    for (const std::size_t i : {0, 1, 2})
+    {
+        CHECK(norm(result[0].velocity[i] - result[1].velocity[i]) < 2e-3);
+        CHECK(norm(result[0].position[i] - result[1].position[i]) < 2e-6);
+    }
+}
+
 TEST_CASE("hybrid: particles that meet nothing fly exactly, whatever the step")
 {
     Uniform random(3);
