@@ -16,6 +16,7 @@ from elutria.errors import ElutriaError, InputError, one_line, suggestion
 
 if TYPE_CHECKING:
     from elutria.classify import Row
+    from elutria.solver import Step
 
 app = typer.Typer(
     name="elutria",
@@ -66,7 +67,7 @@ def run(
     """Copy, mesh, solve and classify a case."""
     from elutria.case import Case
     from elutria.progress import ProgressDisplay
-    from elutria.run import Step, run_case
+    from elutria.run import run_case
     from elutria.sweep import parse_velocities
     from elutria.worker import note
 

@@ -10,40 +10,25 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-import re
 import shutil
-import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from elutria.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.events import read_run
 from elutria.files import read_json, write_json, writing_to
 
+if TYPE_CHECKING:
+    from elutria.solver import Step
+
 SOLVER = "elutriaFoam"
 MARKER = "elutria.json"
 FINISHED = "finished.json"
-
-_STEP = re.compile(
-    r"elutria: time (\S+) fed (\d+) fines (\d+) coarse (\d+) inside (\d+) lost (\d+)"
-)
-
-
-@dataclass(frozen=True)
-class Step:
-    """What the solver says after a time step."""
-
-    time: float
-    fed: int
-    fines: int
-    coarse: int
-    inside: int
-    lost: int
 
 
 @dataclass(frozen=True)
@@ -181,23 +166,8 @@ def _program(arguments: list[str], folder: Path, log: str) -> None:
 
 
 def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], None]) -> None:
-    """Run the solver in `folder` on `np` processors and follow its lines, through PyFoam."""
-    from PyFoam.Execution.BasicRunner import BasicRunner
-
-    class Runner(BasicRunner):  # type: ignore[misc]
-        failed = ""
-        finished = False
-
-        def lineHandle(self, line: str) -> None:
-            match = _STEP.match(line)
-            if match:
-                numbers = [int(text) for text in match.groups()[1:]]
-                step = Step(float(match[1]), *numbers)
-                on_step(goal.share(step), step)
-            elif line.startswith("elutria: failed:"):
-                self.failed = line.removeprefix("elutria: failed:").strip()
-            elif line.startswith("elutria: finished"):
-                self.finished = True
+    """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason."""
+    from elutria.solver import follow
 
     command = [SOLVER]
     if np > 1:
@@ -206,25 +176,13 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
         command = ["mpirun", "-np", str(np), SOLVER, "-parallel"]
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
-    if shutil.which("setpriv"):  # the solver ends when this process does
-        command = ["exec", "setpriv", "--pdeathsig", "KILL", *command]
-    with contextlib.chdir(folder), writing_to(folder):
-        # fixed words only: PyFoam hands the command to a shell
-        runner = Runner(argv=command, silent=True, server=False, writeState=False)
-        runner.logFile = f"log.{SOLVER}"
-        try:
-            result: dict[str, Any] = runner.start()
-        except BaseException:  # our own trouble, such as a full disk: the solver must not go on
-            if runner.run.threadPid > 0:
-                os.kill(runner.run.threadPid, signal.SIGKILL)
-            raise
-    runner.run.join()
-    code = runner.run.returncode
-    if result.get("interrupted"):
+    log = f"log.{SOLVER}"
+    outcome = follow(folder, command, log, lambda step: on_step(goal.share(step), step))
+    if outcome.interrupted:
         raise KeyboardInterrupt
-    if runner.failed or not runner.finished or not runner.runOK() or code != 0:
-        reason = runner.failed or _reason(folder / f"log.{SOLVER}")
-        raise ElutriaError(f"{SOLVER} failed in {folder}: {reason or f'exit code {code}'}")
+    if not outcome.whole:
+        reason = outcome.reason or _reason(folder / log) or f"exit code {outcome.exit_code}"
+        raise ElutriaError(f"{SOLVER} failed in {folder}: {reason}")
 
 
 def write_decomposition(case: Case, np: int) -> None:

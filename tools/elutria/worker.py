@@ -9,10 +9,14 @@ from __future__ import annotations
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from elutria.case import Case, Setting
 from elutria.errors import ElutriaError
-from elutria.run import Step, run_case
+from elutria.run import run_case
+
+if TYPE_CHECKING:
+    from elutria.solver import Step
 
 
 def main(arguments: list[str]) -> int:
