@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from elutria.errors import ElutriaError, InputError, one_line, suggestion
+from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
     from elutria.classify import Row
@@ -315,7 +316,8 @@ def main(arguments: list[str] | None = None) -> None:
     except (KeyboardInterrupt, typer.Abort):
         _fail("interrupted; the same command goes on where it stopped", 1)
     except OSError as error:
-        _fail(f"{error.filename or ''}: {error.strerror or one_line(error)}", 1)
+        code = 1 if error.errno in NOT_THE_PLACE else 2
+        _fail(f"{error.filename or 'a file'}: {error.strerror or one_line(error)}", code)
     except Exception as error:
         if hasattr(error, "format_message"):  # an option that typer refuses
             _fail(f"{one_line(error.format_message())}; see elutria --help", 2)

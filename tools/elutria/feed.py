@@ -12,7 +12,7 @@ from elutria.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
     "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
-    "particles", "drainTime", "velocity", "seed", "materials",
+    "particles", "parcels", "drainTime", "velocity", "seed", "materials",
 )  # fmt: skip
 MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
 
@@ -44,6 +44,7 @@ class Feed:
     start: float
     duration: float
     particles: int | None
+    parcels: str  # particles: each parcel is one; evenMass: each parcel is the same mass
     drain_time: float
     velocity: tuple[float, float, float]
     seed: int
@@ -94,6 +95,7 @@ def read_feed(case: Path) -> Feed:
         start=entries.number("start", 0.0, at_least=0, unit="s"),
         duration=duration,
         particles=None if particles is None else int(particles),
+        parcels=entries.word("parcels", ("particles", "evenMass"), "particles"),
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
         velocity=(velocity[0], velocity[1], velocity[2]),
         seed=_read_seed(entries),
@@ -122,7 +124,7 @@ def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
 
 
 def _read_seed(entries: Dictionary) -> int:
-    seed = entries.number("seed", 1.0, at_least=0, at_most=2**53)
+    seed = entries.number("seed", 1.0, at_least=0, at_most=2**31 - 1)
     if seed != int(seed):
         raise entries.refuse("seed", "a whole number >= 0")
     return int(seed)

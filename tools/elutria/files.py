@@ -13,7 +13,7 @@ from typing import Any
 
 from elutria.errors import ElutriaError, InputError, one_line
 
-_NOT_THE_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EMFILE, errno.ENOMEM)
+NOT_THE_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EMFILE, errno.ENOMEM)
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def writing_to(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         place, reason = error.filename or folder, error.strerror or one_line(error)
-        if error.errno in _NOT_THE_PLACE:
+        if error.errno in NOT_THE_PLACE:
             raise ElutriaError(f"{place}: writing failed ({reason})") from error
         raise InputError(
             f"{place}: cannot be written ({reason}); choose a folder you may write to with --to"

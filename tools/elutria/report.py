@@ -14,9 +14,10 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
     rows = list(rows)
     names = {row["material"] for row in rows} - {"all"}
     table = Table(
-        title="Classification (sizes in um)", title_justify="left", box=SIMPLE_HEAD, pad_edge=False
-    )
-    headings = ["U m/s", "d25", "d50", "95 %", "d75", "sharpness", "bypass", "fines", "fed", "lost"]
+        title="Classification (sizes in um)", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
+        collapse_padding=True,
+    )  # fmt: skip
+    headings = ["m/s", "d25", "d50", "95 %", "d75", "d25/d75", "bypass", "fines", "fed", "lost"]
     if len(names) > 1:
         headings.insert(1, "material")
     for heading in headings:
