@@ -98,8 +98,11 @@ public:
         int from[3], to[3];
         for (int a = 0; a < 3; ++a)
         {
-            from[a] = int(std::floor((x[a] - reach - low_[a])*inverse_[a]));
-            to[a] = int(std::floor((x[a] + reach - low_[a])*inverse_[a]));
+            // limited before they become integers: particles may lie in a plane but for rounding
+            const double first = std::floor((x[a] - reach - low_[a])*inverse_[a]);
+            const double last = std::floor((x[a] + reach - low_[a])*inverse_[a]);
+            from[a] = int(std::max(first, -1.0*cells_[a]));
+            to[a] = int(std::min(last, 2.0*cells_[a]));
             if (!periodic_[a]) from[a] = std::max(from[a], 0), to[a] = std::min(to[a], cells_[a] - 1);
             else if (to[a] - from[a] >= cells_[a]) from[a] = 0, to[a] = cells_[a] - 1;
         }

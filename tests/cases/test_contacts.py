@@ -115,3 +115,15 @@ def test_spheres_that_collide_on_a_processor_patch(tmp_path: Path, measured) -> 
     for name, scale in (("position", 0.1), ("velocity", 0.5), ("spin", 100)):
         difference = np.abs(getattr(serial, name) - getattr(parallel, name)).max() / scale
         measured(f"{name}, serial against two processors", difference, 1e-12)
+
+
+def test_spheres_in_one_plane_but_for_rounding_meet(tmp_path: Path, measured) -> None:
+    # positions that went through barycentric coordinates differ in the last digit
+    spheres = Particles.of(
+        [(0.048, 0.05, 0.05), (0.052, 0.05, 0.05)], [(1, 0, 0), (-1, 0, 0)], diameter=2e-3
+    )
+    case = make_scene(tmp_path / "case", spheres, CLOSED)
+    run_scene(case)
+    after = read_particles(case, "0.02").velocity[:, 0]
+    error = np.abs(after / [-0.8, 0.8] - 1).max()
+    measured("largest relative error of the speed after", error, 1e-3)

@@ -246,10 +246,15 @@ tmp<volVectorField> GasPhase::solve
 
         const volScalarField rAU(1.0/UEqn.A());
         const surfaceScalarField rAUf("Dp", fvc::interpolate(rAU));
-        const surfaceScalarField forceFlux
+        // On faces the force loses a little of its sum where rAU varies: that
+        // comes back evenly, so that the gas gets what the particles gave
+        surfaceScalarField forceFlux(fvc::flux(rAU*force));
+        const dimensionedVector missing
         (
-            fvc::flux(rAU*force) + rAUf*(g_ & mesh_.Sf())
+            fvc::domainIntegrate(force - fvc::reconstruct(forceFlux/rAUf))
+           /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
         );
+        forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
 
         if (pimple_.momentumPredictor())
         {

@@ -229,7 +229,7 @@ def read_gas(case: Path, time: str, name: str = "U.air") -> Array:
 
 def _read(path: Path, width: int) -> Array:
     """An ASCII list of n entries of `width` numbers, also when written n{value}."""
-    body = path.read_text().partition("// * * *")[2].partition("\n")[2]
+    body = path.read_text().partition("}")[2]
     count, *values = _NUMBER.findall(body)
     table = np.array([float(value) for value in values]).reshape(-1, width)
     return np.broadcast_to(table, (int(count), width)) if len(table) == 1 else table
