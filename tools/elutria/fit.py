@@ -14,20 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from math import exp, inf, isfinite, log, log1p, nan, sqrt
+from math import exp, inf, isfinite, log, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri, expit, log_expit
+from scipy.special import chdtri
 
 from elutria.curves import MODELS, Model
+from elutria.likelihood import MAX_BYPASS, Likelihood, maximize
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEVELS = (0.25, 0.50, 0.75)
 _THRESHOLD = float(chdtri(1, 0.05))
-_MAX_BYPASS = 0.6
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class CurveFit:
                 self,
                 log_diameter=self.log_diameter + step[0],
                 log_shape=self.log_shape + step[1],
-                bypass=float(np.clip(self.bypass + step[2], 0, _MAX_BYPASS)),
+                bypass=float(np.clip(self.bypass + step[2], 0, MAX_BYPASS)),
             )
             tried.append(moved.share(diameter))
         return np.min(tried, axis=0), np.max(tried, axis=0)
@@ -178,7 +178,7 @@ def fit_partition(
     step = _step(diameter, coarse)
     if step is not None:
         return step
-    likelihood = _Likelihood(np.log(diameter), coarse, relative_weights(diameter, weight))
+    likelihood = Likelihood(np.log(diameter), coarse, relative_weights(diameter, weight))
     start = _start(likelihood)
     fits = [_fit(likelihood, model, bypass, start) for model in models for bypass in (False, True)]
     # a bypass is known only where sizes that the cut itself sends to fines were seen
@@ -219,105 +219,7 @@ def relative_weights(diameter: Array, weight: Array | None) -> Array:
     return np.asarray(relative * relative.sum() / np.sum(relative**2))
 
 
-class _Likelihood:
-    """ln L of events, its gradient and Fisher information, against p = (ln d, ln s, bypass).
-
-    ln d is that of the cut without bypass, or of a `level` of the whole curve.
-    """
-
-    def __init__(self, log_diameter: Array, coarse: Flags, weight: Array):
-        self.log_diameter = log_diameter
-        self.coarse = coarse
-        self.weight = weight
-
-    def value(self, model: Model, p: Array, level: float | None = None) -> float:
-        """ln L."""
-        logit = model.logit(self.log_diameter - _center(model, p, level)[0], p[1])[0]
-        return float(self.weight @ self._log_chance(logit, p[2]))
-
-    def _log_chance(self, logit: Array, bypass: float) -> Array:
-        if bypass == 0:
-            return np.asarray(log_expit(np.where(self.coarse, logit, -logit)))
-        log_coarse = np.log(bypass + (1 - bypass) * expit(logit))
-        return np.asarray(np.where(self.coarse, log_coarse, log_expit(-logit) + log1p(-bypass)))
-
-    def derivatives(
-        self, model: Model, p: Array, level: float | None = None
-    ) -> tuple[float, Array, Array]:
-        """ln L, its gradient (3) and the expected information (3 x 3)."""
-        center, by_shape, by_bypass = _center(model, p, level)
-        logit, along, shape = model.logit(self.log_diameter - center, p[1])
-        bypass = p[2]
-        inner = expit(logit)
-        share = bypass + (1 - bypass) * inner
-        # dT/dp over T (1 - T), columns p; 1 - T = (1 - bypass)(1 - inner)
-        steep = inner / np.maximum(share, 1e-300)
-        columns = np.stack(
-            [
-                -steep * along,
-                steep * (shape - along * by_shape),
-                1 / (np.maximum(share, 1e-12) * (1 - bypass)) - steep * along * by_bypass,
-            ]
-        )
-        gradient = columns @ (self.weight * (self.coarse - share))
-        information = (columns * (self.weight * share * (1 - share))) @ columns.T
-        return float(self.weight @ self._log_chance(logit, bypass)), gradient, information
-
-
-def _center(model: Model, p: Array, level: float | None) -> tuple[float, float, float]:
-    """ln d of the cut without bypass, and its derivatives by ln s and by the bypass."""
-    if level is None:
-        return float(p[0]), 0.0, 0.0
-    bypass = float(p[2])
-    inner = (level - bypass) / (1 - bypass)
-    y = model.log_x_at(inner, float(p[1]))
-    _, along, shape = (float(v[0]) for v in model.logit(np.array([y]), float(p[1])))
-    by_bypass = (1 - level) / (1 - bypass) ** 2 / (inner * (1 - inner)) / along
-    return float(p[0]) - y, shape / along, by_bypass
-
-
-def _maximize(
-    likelihood: _Likelihood,
-    model: Model,
-    start: Array,
-    free: list[int],
-    upper_bypass: float,
-    level: float | None = None,
-    tolerance: float = 1e-7,
-) -> tuple[Array, float]:
-    """Fisher scoring with Levenberg's damping over the `free` parameters, within their bounds.
-
-    Ends when a step can gain less than `tolerance` in ln L.
-    """
-    low = np.array([likelihood.log_diameter.min() - 3, model.bounds[0], 0.0])
-    high = np.array([likelihood.log_diameter.max() + 3, model.bounds[1], upper_bypass])
-    p, damping = np.clip(start, low, high), 1e-6
-    value, gradient, information = likelihood.derivatives(model, p, level)
-    for _ in range(100):
-        stuck = ((p <= low) & (gradient < 0)) | ((p >= high) & (gradient > 0))
-        moving = [k for k in free if not stuck[k]]
-        if not moving:
-            break
-        matrix = information[np.ix_(moving, moving)]
-        scale = np.diag(matrix) + 1e-12
-        step = np.zeros(3)
-        step[moving] = np.linalg.solve(matrix + np.diag(damping * scale), gradient[moving])
-        if gradient @ step < 2 * tolerance:
-            break
-        step[1] = np.clip(step[1], -1.0, 1.0)
-        trial = np.clip(p + step, low, high)
-        better = likelihood.derivatives(model, trial, level)
-        if better[0] >= value:
-            p, (value, gradient, information) = trial, better
-            damping = max(damping / 10, 1e-9)
-        elif damping > 1e6:
-            break
-        else:
-            damping = max(damping * 10, 1e-3)
-    return p, value
-
-
-def _start(likelihood: _Likelihood) -> tuple[float, float]:
+def _start(likelihood: Likelihood) -> tuple[float, float]:
     """ln d that parts coarse from fines with the least misplaced weight, and their spread."""
     order = np.argsort(likelihood.log_diameter)
     log_d = likelihood.log_diameter[order]
@@ -332,19 +234,19 @@ def _start(likelihood: _Likelihood) -> tuple[float, float]:
 
 
 def _fit(
-    likelihood: _Likelihood, model: Model, with_bypass: bool, start: tuple[float, float]
+    likelihood: Likelihood, model: Model, with_bypass: bool, start: tuple[float, float]
 ) -> CurveFit:
     center, spread = start
     begin = np.array([center, model.start(spread), 0.02 if with_bypass else 0.0])
     free = [0, 1, 2] if with_bypass else [0, 1]
-    p, value = _maximize(likelihood, model, begin, free, _MAX_BYPASS)
+    p, value = maximize(likelihood, model, begin, free, MAX_BYPASS)
     information = likelihood.derivatives(model, p)[2][np.ix_(free, free)]
     known = np.linalg.cond(information) < 1e12
     covariance = np.asarray(np.linalg.inv(information), dtype=float) if known else None
     return CurveFit(model, float(p[0]), float(p[1]), float(p[2]), value, len(free), covariance)
 
 
-def _interval(likelihood: _Likelihood, ranked: list[CurveFit], level: float) -> tuple[float, float]:
+def _interval(likelihood: Likelihood, ranked: list[CurveFit], level: float) -> tuple[float, float]:
     """The 95 % interval of the diameter at `level`, the model being one more nuisance parameter.
 
     A diameter is in it when some model, its other parameters at their best, comes within the
@@ -359,7 +261,7 @@ def _interval(likelihood: _Likelihood, ranked: list[CurveFit], level: float) -> 
 
 
 def _profile_interval(
-    likelihood: _Likelihood, fit: CurveFit, level: float, slack: float
+    likelihood: Likelihood, fit: CurveFit, level: float, slack: float
 ) -> tuple[float, float]:
     """Diameters at `level` that cost the fit less than `slack` in 2 ln L."""
     model = fit.model
@@ -370,8 +272,8 @@ def _profile_interval(
     def lack(log_d: float, start: Array) -> tuple[float, Array]:
         """2 (ln L max - ln L) at the given ln d, the other parameters at their best."""
         begin = np.array([log_d, start[1], start[2]])
-        highest = min(_MAX_BYPASS, level - 1e-3)
-        p, value = _maximize(likelihood, model, begin, free, highest, level, tolerance=1e-3)
+        highest = min(MAX_BYPASS, level - 1e-3)
+        p, value = maximize(likelihood, model, begin, free, highest, level, tolerance=1e-3)
         return 2 * (fit.log_likelihood - value), p
 
     nuisance = np.array([best, fit.log_shape, fit.bypass])
