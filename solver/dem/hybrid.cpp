@@ -2,6 +2,7 @@
 
 #include "meeting.hpp"
 #include "search.hpp"
+#include "threads.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -20,6 +21,8 @@ constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t crowd = 256;           // island of impacts above which a step is cut
 constexpr int mostCuts = 12;                 // halvings of a step
 constexpr double fewSubSteps = 24;           // these cost no more than looking around first
+constexpr std::size_t block = 2048;           // particles handled by one thread at a time
+constexpr std::size_t manyParticles = 4*block, manyIslands = 32;   // worth a second thread
 constexpr int separationRounds = 5, separationSweeps = 20;
 
 class Stopwatch
@@ -64,8 +67,12 @@ double squaredDistanceOfSegment(const Vector3& d, const Vector3& along)
 Hybrid::Hybrid(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
                SoftIntegrator& plain, IslandStepper::StepLimit stepLimit)
   : settings_(settings), walls_(walls), plain_(plain), stepLimit_(stepLimit),
-    laws_(settings.law, materials), stepper_(settings, materials, walls, laws_, stepLimit)
-{}
+    laws_(settings.law, materials)
+{
+    for (unsigned t = 0; t < settings.threads; ++t)
+        steppers_.push_back(
+            std::make_unique<IslandStepper>(settings, materials, walls, laws_, stepLimit));
+}
 
 
 std::vector<ContactRecord> Hybrid::exportContacts() const
@@ -128,6 +135,24 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
 }
 
 
+unsigned Hybrid::threadsFor(std::size_t particles) const
+{
+    return particles < manyParticles ? 1 : settings_.threads;
+}
+
+
+/// Calls work(i) for every particle, in any order.
+template<class Work>
+void Hybrid::forParticles(const Work& work) const
+{
+    const std::size_t n = start_.size();
+    forEach(threadsFor(n), (n + block - 1)/block, [&](std::size_t k)
+    {
+        for (std::size_t i = k*block; i < std::min(n, (k + 1)*block); ++i) work(i);
+    });
+}
+
+
 void Hybrid::load(const Particles& p)
 {
     const std::size_t n = p.size();
@@ -137,7 +162,7 @@ void Hybrid::load(const Particles& p)
         std::sort(order_.begin(), order_.end(),
                   [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
     start_.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
+    forParticles([&](std::size_t i)
     {
         const std::uint32_t k = order_[i];
         Traveller& t = start_[i];
@@ -148,10 +173,11 @@ void Hybrid::load(const Particles& p)
         t.flight = Flight(p.position[k], p.velocity[k], t.force, t.gasVelocity,
                           p.dragRate.empty() ? 0 : p.dragRate[k]);
         t.dragGain = {};
-        if (i > 0 && start_[i - 1].id == t.id)
-            throw std::invalid_argument("particle id " + std::to_string(t.id)
+    });
+    for (std::size_t i = 1; i < n; ++i)
+        if (start_[i - 1].id == start_[i].id)
+            throw std::invalid_argument("particle id " + std::to_string(start_[i].id)
                                         + " is given twice; allowed: once");
-    }
 }
 
 
@@ -159,7 +185,7 @@ void Hybrid::store(Particles& p) const
 {
     const bool drag = !p.dragRate.empty();
     if (drag) p.dragImpulse.resize(p.size());
-    for (std::size_t i = 0; i < start_.size(); ++i)
+    forParticles([&](std::size_t i)
     {
         const std::uint32_t k = order_[i];
         const Traveller& t = start_[i];
@@ -167,7 +193,7 @@ void Hybrid::store(Particles& p) const
         p.velocity.set(k, t.flight.velocity);
         p.spin.set(k, t.spin);
         if (drag) p.dragImpulse.set(k, t.mass*t.dragGain);
-    }
+    });
 }
 
 
@@ -215,7 +241,7 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         if (largest > crowd && mayCut) return Outcome::tooLong;
         if (largest > 16*crowd && !forced) return Outcome::contactsRule;
     }
-    do runIslands(duration, report);
+    do runIslands(duration);
     while (mergeIslands(duration, report));
     finishPiece(duration, report);
     return Outcome::done;
@@ -227,23 +253,20 @@ bool Hybrid::bounds(double duration)
 {
     const std::size_t n = start_.size();
     ends_.resize(n), bounds_.resize(n), slack_.resize(n);
+    forParticles([&](std::size_t i) { ends_[i] = start_[i].flight.at(duration); });
     frame_ = {};
-    for (std::size_t i = 0; i < n; ++i)
-    {
-        ends_[i] = start_[i].flight.at(duration);
-        frame_ += ends_[i].position - start_[i].flight.position;
-    }
+    for (std::size_t i = 0; i < n; ++i) frame_ += ends_[i].position - start_[i].flight.position;
     frame_ *= 1/(duration*double(n));
-    double largest = 0;
-    for (std::size_t i = 0; i < n; ++i)
+    forParticles([&](std::size_t i)
     {
         const Flight& flight = start_[i].flight;
         const Vector3 moved = ends_[i].position - flight.position - duration*frame_;
         slack_[i] = flight.chordDeviation(duration);
         bounds_[i] = {flight.position + 0.5*moved,
                       start_[i].radius + 0.5*norm(moved) + slack_[i]};
-        largest = std::max(largest, bounds_[i].reach);
-    }
+    });
+    double largest = 0;
+    for (const Bound& bound : bounds_) largest = std::max(largest, bound.reach);
     for (int axis = 0; axis < 3; ++axis)
         if (settings_.box.periodic[axis]
             && 4*largest > settings_.box.high[axis] - settings_.box.low[axis]) return false;
@@ -253,14 +276,29 @@ bool Hybrid::bounds(double duration)
 
 void Hybrid::findCandidates(double duration, StepReport& report)
 {
-    const std::size_t n = start_.size();
     candidates_.clear(), atWall_.clear(), touching_.clear(), overlaps_.clear();
     findBoundPairs();
     report.candidates += pairs_.size();
-    for (const Pair& pair : pairs_) checkPair(pair.first, pair.second);
+    forBoundPairs([&](std::uint32_t i, std::uint32_t j) { checkPair(i, j); });
     if (walls_.empty()) return;
-    for (std::uint32_t i = 0; i < n; ++i)
-        if (meetsWall(i, duration)) atWall_.push_back(i);
+    wallLooks_.resize(start_.size());
+    forParticles([&](std::size_t i) { wallLooks_[i] = lookForWalls(i, duration); });
+    for (std::uint32_t i = 0; i < start_.size(); ++i)
+    {
+        if (wallLooks_[i] == WallLook::away) continue;
+        if (wallLooks_[i] == WallLook::overlaps) overlaps_.push_back({i, none});
+        if (wallLooks_[i] == WallLook::touches) touching_.push_back(i);
+        atWall_.push_back(i);
+    }
+}
+
+
+template<class Visit>
+void Hybrid::forBoundPairs(const Visit& visit) const
+{
+    for (std::uint32_t i = 0; i < bounds_.size(); ++i)
+        for (std::uint32_t k = pairs_.begin[i]; k < pairs_.begin[i + 1]; ++k)
+            visit(i, pairs_.second[k]);
 }
 
 
@@ -274,7 +312,7 @@ void Hybrid::findBoundPairs()
         reach_[i] = bounds_[i].reach;
     }
     findPairs({n, centres_.x.data(), centres_.y.data(), centres_.z.data(), reach_.data()},
-              settings_.box, NeighbourSearch::automatic, 1, pairs_);
+              settings_.box, NeighbourSearch::automatic, 1, threadsFor(n), pairs_);
 }
 
 
@@ -300,30 +338,32 @@ void Hybrid::checkPair(std::uint32_t i, std::uint32_t j)
 }
 
 
-bool Hybrid::meetsWall(std::uint32_t i, double duration)
+Hybrid::WallLook Hybrid::lookForWalls(std::size_t i, double duration) const
 {
     const Flight& flight = start_[i].flight;
-    const double radius = start_[i].radius;
-    walls_.collect(flight.position, ends_[i].position, radius + slack_[i], images_);
-    bool meets = false, touches = false, overlaps = false;
-    for (const Walls::Image& image : images_)
+    const double radius = start_[i].radius, shallow = radius*(1 - EventDriven::shallow);
+    thread_local std::vector<Walls::Image> images;
+    walls_.collect(flight.position, ends_[i].position, radius + slack_[i], images);
+    bool meets = false;
+    double nearestAtStart = never;
+    for (const Walls::Image& image : images)
     {
         const auto nearest = [&](const Vector3& p) { return walls_.nearestPoint(image, p); };
         const double distance = norm(flight.position - nearest(flight.position));
-        touches = touches || distance < radius;
-        overlaps = overlaps || distance < radius*(1 - EventDriven::shallow);
-        meets = meets || distance < radius*(1 - EventDriven::shallow)
+        nearestAtStart = std::min(nearestAtStart, distance);
+        meets = meets || distance < shallow
             || wallMeeting(flight, radius, 0, duration, nearest).time < never;
     }
-    if (!touches) return meets;
-    const std::uint64_t id = start_[i].id;
-    auto at = std::lower_bound(records_.begin(), records_.end(), ContactRecord{id, 0, false, {}},
-                               recordBefore);
-    while (at != records_.end() && at->first == id && !at->wall) ++at;
-    const bool known = at != records_.end() && at->first == id;
-    if (known) touching_.push_back(i);
-    else if (overlaps) overlaps_.push_back({i, none});
-    return meets || known;
+    if (nearestAtStart < radius)
+    {
+        const std::uint64_t id = start_[i].id;
+        auto at = std::lower_bound(records_.begin(), records_.end(),
+                                   ContactRecord{id, 0, false, {}}, recordBefore);
+        while (at != records_.end() && at->first == id && !at->wall) ++at;
+        if (at != records_.end() && at->first == id) return WallLook::touches;
+        if (nearestAtStart < shallow) return WallLook::overlaps;
+    }
+    return meets ? WallLook::meets : WallLook::away;
 }
 
 
@@ -397,23 +437,29 @@ void Hybrid::add(std::uint32_t particle, std::uint32_t island)
 }
 
 
-void Hybrid::runIslands(double duration, StepReport&)
+void Hybrid::runIslands(double duration)
+{
+    const std::size_t threads = rerun_.size() < manyIslands ? 1 : steppers_.size();
+    forEach(settings_.threads, threads, [&](std::size_t t)
+    {
+        for (std::size_t k = t; k < rerun_.size(); k += threads)
+            runIsland(islands_[rerun_[k]], *steppers_[t], duration);
+    });
+}
+
+
+void Hybrid::runIsland(Island& island, IslandStepper& stepper, double duration) const
 {
     std::vector<ContactRecord> history;
-    for (const std::uint32_t k : rerun_)
-    {
-        Island& island = islands_[k];
-        history.clear();
-        if (island.touching)
-            for (const std::uint32_t i : island.particles)
-            {
-                const std::uint64_t id = start_[i].id;
-                auto at = std::lower_bound(records_.begin(), records_.end(),
-                                           ContactRecord{id, 0, false, {}}, recordBefore);
-                for (; at != records_.end() && at->first == id; ++at) history.push_back(*at);
-            }
-        stepper_.run(island, start_, duration, history);
-    }
+    if (island.touching)
+        for (const std::uint32_t i : island.particles)
+        {
+            const std::uint64_t id = start_[i].id;
+            auto at = std::lower_bound(records_.begin(), records_.end(),
+                                       ContactRecord{id, 0, false, {}}, recordBefore);
+            for (; at != records_.end() && at->first == id; ++at) history.push_back(*at);
+        }
+    stepper.run(island, start_, duration, history);
 }
 
 
@@ -470,8 +516,10 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
     else
     {
         findBoundPairs();
-        for (const Pair& pair : pairs_)
-            if (isChanged_[pair.first] || isChanged_[pair.second]) check(pair.first, pair.second);
+        forBoundPairs([&](std::uint32_t i, std::uint32_t j)
+        {
+            if (isChanged_[i] || isChanged_[j]) check(i, j);
+        });
     }
     if (hits.empty()) return false;
     merge(hits, report);
@@ -523,23 +571,23 @@ void Hybrid::merge(const std::vector<Candidate>& hits, StepReport& report)
 
 void Hybrid::finishPiece(double duration, StepReport& report)
 {
-    std::size_t free = 0;
-    for (std::size_t i = 0; i < start_.size(); ++i)
+    forParticles([&](std::size_t i)
     {
         Traveller& t = start_[i];
         if (islandOf_[i] != none)
         {
             t = islands_[islandOf_[i]].end[placeIn_[i]];
-            continue;
+            return;
         }
-        ++free;
         if (t.flight.rate > 0) t.dragGain += t.flight.dragGain(duration, t.force);
         t.flight = ends_[i];
-    }
+    });
+    std::size_t free = start_.size();
     records_.clear();
     report.touching = report.wallTouching = report.softParticles = 0;
     for (const Island& island : islands_)
     {
+        free -= island.particles.size();
         records_.insert(records_.end(), island.contacts.begin(), island.contacts.end());
         report.islands += !island.particles.empty();
         report.impacts += island.impacts;

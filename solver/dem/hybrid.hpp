@@ -4,6 +4,7 @@
 #include "Engine.hpp"
 #include "island.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace elutria::dem
@@ -47,7 +48,10 @@ public:
 
 private:
     enum class Outcome { done, tooLong, contactsRule };
+    enum class WallLook : std::uint8_t { away, meets, touches, overlaps };   // touches: known
     struct Candidate { std::uint32_t first, second; };
+    template<class Work> void forParticles(const Work& work) const;
+    unsigned threadsFor(std::size_t particles) const;
 
     void load(const Particles& particles);
     void store(Particles& particles) const;
@@ -58,11 +62,13 @@ private:
     void findCandidates(double duration, StepReport& report);
     void findBoundPairs();
     void checkPair(std::uint32_t i, std::uint32_t j);
-    bool meetsWall(std::uint32_t i, double duration);
+    template<class Visit> void forBoundPairs(const Visit& visit) const;
+    WallLook lookForWalls(std::size_t i, double duration) const;
     void separateOverlaps(StepReport& report);
     void makeIslands();
     void add(std::uint32_t particle, std::uint32_t island);
-    void runIslands(double duration, StepReport& report);
+    void runIslands(double duration);
+    void runIsland(Island& island, IslandStepper& stepper, double duration) const;
     bool mergeIslands(double duration, StepReport& report);
     void merge(const std::vector<Candidate>& hits, StepReport& report);
     const std::vector<Leg>& path(std::uint32_t i, std::vector<Leg>& free) const;
@@ -73,7 +79,7 @@ private:
     SoftIntegrator& plain_;
     IslandStepper::StepLimit stepLimit_;
     ImpactTable laws_;
-    IslandStepper stepper_;
+    std::vector<std::unique_ptr<IslandStepper>> steppers_;   // one per thread
 
     std::vector<ContactRecord> records_;       // sorted by first, second
     bool plainRules_ = false;                  // the plain engine steps and holds the history
@@ -87,10 +93,10 @@ private:
     Vector3 frame_;                            // m/s
     VectorArray centres_;
     std::vector<double> reach_;
-    std::vector<Pair> pairs_;
+    PairList pairs_;
     std::vector<Candidate> candidates_, overlaps_;    // overlaps_: without history; second none: wall
     std::vector<std::uint32_t> atWall_, touching_;
-    std::vector<Walls::Image> images_;
+    std::vector<WallLook> wallLooks_;
     DisjointSets sets_;
     std::vector<Island> islands_;
     std::vector<std::uint32_t> islandOf_, placeIn_;   // of each particle; none: free

@@ -37,9 +37,9 @@ double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
 
 IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& materials,
                              const Walls& walls, const ImpactTable& laws, StepLimit stepLimit)
-  : settings_(forIslands(settings)), stepLimit_(std::move(stepLimit)),
-    events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact),
-    soft_(settings_, materials, walls)
+  : settings_(forIslands(settings)), materials_(materials), walls_(walls),
+    stepLimit_(std::move(stepLimit)),
+    events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact)
 {}
 
 
@@ -57,7 +57,7 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
 
     double time = 0;
     bool touching = island.touching;
-    if (touching) soft_.importContacts(history);
+    if (touching) startSoft(history);
     while (time < duration)
     {
         auto clock = std::chrono::steady_clock::now();
@@ -68,12 +68,20 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
             island.impactSeconds += secondsSince(clock);
             if (time >= duration) break;
             clock = std::chrono::steady_clock::now();
-            soft_.importContacts({});
+            startSoft({});
         }
         time = softChunk(island, time, duration, touching);
         island.softSeconds += secondsSince(clock);
     }
-    if (touching) island.contacts = soft_.exportContacts();
+    if (touching) island.contacts = soft_->exportContacts();
+}
+
+
+/// A new integrator each time: what it did before for other islands must not show in this one.
+void IslandStepper::startSoft(const std::vector<ContactRecord>& history)
+{
+    soft_.emplace(settings_, materials_, walls_);
+    soft_->importContacts(history);
 }
 
 
@@ -111,7 +119,7 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
     const double time = steps == needed ? remaining : steps*(remaining/needed);
 
     StepReport report;
-    soft_.run(gathered_, time, std::size_t(steps), report);
+    soft_->run(gathered_, time, std::size_t(steps), report);
     touching = report.touching + report.wallTouching > 0;
     island.subSteps += std::size_t(steps);
     island.shortestStep = std::min(island.shortestStep, time/steps);

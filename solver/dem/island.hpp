@@ -5,6 +5,7 @@
 #include "events.hpp"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace elutria::dem
@@ -45,12 +46,15 @@ public:
 
 private:
     double softChunk(Island& island, double begin, double end, bool& touching);
+    void startSoft(const std::vector<ContactRecord>& history);
     void gather(const std::vector<Traveller>& members);
 
     Settings settings_;
+    const ContactMaterials& materials_;
+    const Walls& walls_;
     StepLimit stepLimit_;
     EventDriven events_;
-    SoftIntegrator soft_;
+    std::optional<SoftIntegrator> soft_;
     Particles gathered_;
 };
 
