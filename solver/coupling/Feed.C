@@ -355,18 +355,38 @@ void Feed::readSchedule(const word& phaseName)
             << exit(FatalIOError);
     }
 
-    scalar meanMass = 0;
     for (const Material& m : materials_)
     {
-        meanMass += m.numberFraction*m.meanMass();
+        meanMass_ += m.numberFraction*m.meanMass();
     }
-    rate_ = massFlow/meanMass;
+    rate_ = massFlow/meanMass_;
 
-    start_ = readAtLeast(*this, "start", 0);
-    duration_ = readPositive(*this, "duration");
+    const word parcels(getOrDefault<word>("parcels", "particles"));
+    evenMass_ = parcels == "evenMass";
+    if (!evenMass_ && parcels != "particles")
+    {
+        FatalIOErrorInFunction(*this)
+            << "parcels is " << parcels << ", allowed: particles, evenMass"
+            << exit(FatalIOError);
+    }
+
+    start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
+    if (!found("duration") && !found("particles"))
+    {
+        FatalIOErrorInFunction(*this)
+            << "give duration (s), particles (a whole number) or both"
+            << exit(FatalIOError);
+    }
+    duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
-    seed_ = scrambled(uint64_t(get<label>("seed")) + 0x9e3779b97f4a7c15ULL);
+    seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
+}
+
+
+label Feed::seedEntry() const
+{
+    return getOrDefault<label>("seed", 1);
 }
 
 
@@ -384,9 +404,13 @@ label Feed::material(const label i) const
 {
     scalar u = random(i, 0);
     label m = 0;
-    while (m < materials_.size() - 1 && u >= materials_[m].numberFraction)
+    const auto share = [&](const Material& material)
     {
-        u -= materials_[m].numberFraction;
+        return evenMass_ ? material.massFraction : material.numberFraction;
+    };
+    while (m < materials_.size() - 1 && u >= share(materials_[m]))
+    {
+        u -= share(materials_[m]);
         ++m;
     }
     return m;
@@ -395,7 +419,17 @@ label Feed::material(const label i) const
 
 scalar Feed::diameter(const label i, const label material) const
 {
-    return materials_[material].sizes.quantileByNumber(random(i, 1));
+    // Van der Corput's sequence: the digits of i in base 2, mirrored
+    uint32_t mirrored = 0;
+    for (int bit = 0; bit < 32; ++bit)
+    {
+        mirrored = (mirrored << 1) | ((uint32_t(i) >> bit) & 1);
+    }
+    scalar u = mirrored*0x1.0p-32 + random(material, 7);
+    u -= std::floor(u);
+
+    const SizeDistribution& sizes = materials_[material].sizes;
+    return evenMass_ ? sizes.quantileByMass(u) : sizes.quantileByNumber(u);
 }
 
 
@@ -420,6 +454,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     drainTime_(GREAT),
     maxParticles_(labelMax),
     seed_(0),
+    evenMass_(false),
+    meanMass_(0),
     rate_(0)
 {
     readMaterials();
@@ -485,6 +521,7 @@ Feed::Particle Feed::particle(const label i) const
     p.time = start_ + (i + random(i, 2))/rate_;
     p.material = material(i);
     p.diameter = diameter(i, p.material);
+    p.number = number(i);
 
     const label k = select(cumulativeShare_, random(i, 3));
     const scalar r = random(i, 4), s = random(i, 5), t = random(i, 6);

@@ -233,7 +233,7 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
                 outlets[i] = total(left_[i]);
             }
             os  << "{\n  \"time_s\": " << time
-                << ",\n  \"seed\": " << feed_.get<label>("seed")
+                << ",\n  \"seed\": " << feed_.seedEntry()
                 << ",\n  \"total\": ";
             account(os, total(injected_), outlets, total(inside));
             os << ",\n  \"materials\": {";
@@ -282,7 +282,8 @@ void Ledger::fed(const label number)
 {
     for (; fed_ < number; ++fed_)
     {
-        injected_[feed_.materialOf(fed_)].add(1, feed_.mass(fed_));
+        const scalar number = feed_.number(fed_);
+        injected_[feed_.materialOf(fed_)].add(number, number*feed_.mass(fed_));
     }
 }
 

@@ -166,39 +166,49 @@ void SizeDistribution::buildStatedCurve
 }
 
 
-void SizeDistribution::massToNumber
-(
-    const scalarList& diameter,
-    scalarList& finer
-)
+scalar SizeDistribution::classCube(const label i) const
 {
-    scalarList number(finer.size(), Zero);
-
-    for (label i = 1; i < finer.size(); ++i)
-    {
-        // Mean of d^3 over a class with equal numbers per size step
-        const scalar a = diameter[i-1], b = diameter[i];
-        const scalar cube = 0.25*(a + b)*(sqr(a) + sqr(b));
-        number[i] = number[i-1] + (finer[i] - finer[i-1])/cube;
-    }
-    forAll(finer, i)
-    {
-        finer[i] = number[i]/number.last();
-    }
+    const scalar a = diameter_[i-1], b = diameter_[i];
+    return 0.25*(a + b)*(sqr(a) + sqr(b));
 }
 
 
-scalar SizeDistribution::integrateCube() const
+scalarList SizeDistribution::reweighted
+(
+    const scalarList& finer,
+    const int power
+) const
 {
-    scalar sum = 0;
-    for (label i = 1; i < diameter_.size(); ++i)
+    scalarList shares(finer.size(), Zero);
+    for (label i = 1; i < finer.size(); ++i)
     {
-        const scalar a = diameter_[i-1], b = diameter_[i];
-        sum +=
-            (numberFiner_[i] - numberFiner_[i-1])
-           *0.25*(a + b)*(sqr(a) + sqr(b));
+        const scalar weight = power > 0 ? classCube(i) : 1/classCube(i);
+        shares[i] = shares[i-1] + (finer[i] - finer[i-1])*weight;
     }
-    return sum;
+    for (scalar& share : shares)
+    {
+        share /= shares.last();
+    }
+    return shares;
+}
+
+
+scalar SizeDistribution::quantile
+(
+    const scalarList& finer,
+    const scalar u
+) const
+{
+    const auto upper = std::upper_bound(finer.cbegin(), finer.cend(), u);
+    const label i = Foam::min
+    (
+        Foam::max(label(upper - finer.cbegin()), label(1)),
+        finer.size() - 1
+    );
+    const scalar low = finer[i-1], high = finer[i];
+    const scalar s = high > low ? (u - low)/(high - low) : 0;
+
+    return diameter_[i-1] + s*(diameter_[i] - diameter_[i-1]);
 }
 
 
@@ -208,40 +218,31 @@ SizeDistribution::SizeDistribution(const dictionary& dict)
 :
     meanCube_(0)
 {
-    buildStatedCurve(dict, numberFiner_);
+    scalarList stated;
+    buildStatedCurve(dict, stated);
 
     const word weighting(dict.getOrDefault<word>("weighting", "mass"));
     if (weighting == "mass")
     {
-        massToNumber(diameter_, numberFiner_);
+        massFiner_ = stated;
+        numberFiner_ = reweighted(stated, -3);
     }
-    else if (weighting != "number")
+    else if (weighting == "number")
+    {
+        numberFiner_ = stated;
+        massFiner_ = reweighted(stated, 3);
+    }
+    else
     {
         FatalIOErrorInFunction(dict)
             << "weighting is " << weighting << ", allowed: mass, number"
             << exit(FatalIOError);
     }
-    meanCube_ = integrateCube();
-}
 
-
-// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
-
-scalar SizeDistribution::quantileByNumber(const scalar u) const
-{
-    const auto upper =
-        std::upper_bound(numberFiner_.cbegin(), numberFiner_.cend(), u);
-
-    const label i =
-        Foam::min
-        (
-            Foam::max(label(upper - numberFiner_.cbegin()), label(1)),
-            numberFiner_.size() - 1
-        );
-    const scalar low = numberFiner_[i-1], high = numberFiner_[i];
-    const scalar s = high > low ? (u - low)/(high - low) : 0;
-
-    return diameter_[i-1] + s*(diameter_[i] - diameter_[i-1]);
+    for (label i = 1; i < diameter_.size(); ++i)
+    {
+        meanCube_ += (numberFiner_[i] - numberFiner_[i-1])*classCube(i);
+    }
 }
 
 

@@ -8,6 +8,8 @@
 #include "SpreadingKernel.H"
 #include "foamVersion.H"
 #include "fvm.H"
+#include "fvcSurfaceIntegrate.H"
+#include "surfaceFields.H"
 #include "gaussLaplacianScheme.H"
 #include "correctedSnGrad.H"
 #include "linear.H"
@@ -21,6 +23,15 @@ SpreadingKernel::SpreadingKernel(const fvMesh& mesh, const dictionary& dict)
     asked_(-1),
     width_(0),
     steps_(dict.getOrDefault<label>("steps", 2)),
+    exchangeRate_
+    (
+        gMax
+        (
+            fvc::surfaceSum(mesh.magSf()*mesh.deltaCoeffs())()
+           .primitiveField()
+           /mesh.V().field()
+        )
+    ),
     smallestCell_(cbrt(gMin(mesh.V())))
 {
     if (dict.found("width"))
@@ -56,8 +67,72 @@ void SpreadingKernel::adapt(const scalar largestDiameter)
 }
 
 
+label SpreadingKernel::explicitSteps() const
+{
+    return max(steps_, label(ceil(sqr(width_)*exchangeRate_)));
+}
+
+
 template<class Type>
-void SpreadingKernel::diffuse
+void SpreadingKernel::diffuseExplicit
+(
+    GeometricField<Type, fvPatchField, volMesh>& field,
+    const label steps
+) const
+{
+    const scalar stretch = 0.5*sqr(width_)/steps;
+    const labelUList& owner = mesh_.owner();
+    const labelUList& neighbour = mesh_.neighbour();
+    const scalarField weight
+    (
+        stretch*mesh_.magSf().primitiveField()
+       *mesh_.deltaCoeffs().primitiveField()
+    );
+    Field<Type>& values = field.primitiveFieldRef();
+    Field<Type> gain(values.size());
+
+    for (label step = 0; step < steps; ++step)
+    {
+        gain = Zero;
+        forAll(owner, facei)
+        {
+            const Type flow
+            (
+                weight[facei]
+               *(values[neighbour[facei]] - values[owner[facei]])
+            );
+            gain[owner[facei]] += flow;
+            gain[neighbour[facei]] -= flow;
+        }
+
+        field.correctBoundaryConditions();
+        forAll(mesh_.boundary(), patchi)
+        {
+            const fvPatch& patch = mesh_.boundary()[patchi];
+            if (!patch.coupled())
+            {
+                continue;
+            }
+            const Field<Type> other
+            (
+                field.boundaryField()[patchi].patchNeighbourField()
+            );
+            const labelUList& cells = patch.faceCells();
+            forAll(cells, i)
+            {
+                gain[cells[i]] +=
+                    stretch*patch.magSf()[i]*patch.deltaCoeffs()[i]
+                   *(other[i] - values[cells[i]]);
+            }
+        }
+        values += gain/mesh_.V().field();
+    }
+    field.correctBoundaryConditions();
+}
+
+
+template<class Type>
+void SpreadingKernel::diffuseImplicit
 (
     GeometricField<Type, fvPatchField, volMesh>& field
 ) const
@@ -112,13 +187,21 @@ void SpreadingKernel::spread
     GeometricField<Type, fvPatchField, volMesh>& field
 ) const
 {
-    if (active())
+    if (!active())
     {
-        const label level = SolverPerformance<Type>::debug;
-        SolverPerformance<Type>::debug = 0;
-        diffuse(field);
-        SolverPerformance<Type>::debug = level;
+        return;
     }
+
+    const label steps = explicitSteps();
+    if (steps <= maxExplicit)
+    {
+        diffuseExplicit(field, steps);
+        return;
+    }
+    const label level = SolverPerformance<Type>::debug;
+    SolverPerformance<Type>::debug = 0;
+    diffuseImplicit(field);
+    SolverPerformance<Type>::debug = level;
 }
 
 
