@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 namespace elutria::dem
 {
@@ -20,6 +22,13 @@ double Cloud::load(const Particles& p, double step)
         std::iota(byId_.begin(), byId_.end(), 0u);
         std::sort(byId_.begin(), byId_.end(),
                   [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+        for (std::size_t k = 1; k < n; ++k)
+        {
+            if (p.id[byId_[k]] != p.id[byId_[k - 1]]) continue;
+            forget();
+            throw std::invalid_argument("particle id " + std::to_string(p.id[byId_[k]])
+                                        + " is given twice; ids must be unique");
+        }
         order_ = byId_;
         rows.assign(n, {}), bases.assign(n, {}), loads.assign(n, {});
     }
@@ -203,6 +212,18 @@ std::uint32_t Cloud::find(const std::vector<std::uint32_t>& byId, std::uint64_t 
     const auto at = std::lower_bound(byId.begin(), byId.end(), wanted,
         [&](std::uint32_t i, std::uint64_t value) { return id(i) < value; });
     return at != byId.end() && id(*at) == wanted ? *at : none;
+}
+
+double Cloud::speedRange() const
+{
+    if (bases.empty()) return 0;
+    Vector3 low = velocity(0), high = low;
+    for (std::size_t i = 1; i < size(); ++i)
+    {
+        const Vector3 v = velocity(i);
+        for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], v[a]), high[a] = std::max(high[a], v[a]);
+    }
+    return 0.5*norm(high - low);
 }
 
 std::size_t Cloud::bytes() const

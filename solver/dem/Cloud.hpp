@@ -25,6 +25,12 @@ public:
     /// moved since, m.
     double load(const Particles& particles, double step);
 
+    /// Forgets the particles and their order.
+    void forget() { ids_.clear(), rows.clear(); }
+
+    /// Half the extent of the velocities, m/s: a bound of the speeds in their middle's frame.
+    double speedRange() const;
+
     /// Gives positions (inside the box), velocities, spins and dragImpulse back after `duration`.
     void store(Particles& particles, double duration) const;
 

@@ -81,6 +81,13 @@ void Drift::mark(std::size_t c)
     for (std::uint32_t n : chunk.neighbours) chunk.marks.push_back({chunks_[n].way, chunks_[n].shift});
 }
 
+double Drift::speed() const
+{
+    double fastest = 0;
+    for (const Chunk& chunk : chunks_) fastest = std::max(fastest, chunk.speed);
+    return fastest;
+}
+
 std::size_t Drift::bytes() const
 {
     std::size_t sum = chunks_.capacity()*sizeof(Chunk);

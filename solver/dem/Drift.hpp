@@ -42,6 +42,8 @@ public:
 
     /// Speed of the chunk's fastest particle, m/s: in its frame and with the walls at rest.
     double speed(std::size_t chunk) const { return chunks_[chunk].speed; }
+    double speed() const;                // of all chunks
+    std::size_t chunks() const { return chunks_.size(); }
     double wallSpeed(std::size_t chunk) const { return chunks_[chunk].wallSpeed; }
     void setSpeeds(std::size_t chunk, double speed, double wallSpeed)
     {

@@ -57,6 +57,8 @@ void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
     kept_ = records;
     std::sort(kept_.begin(), kept_.end(), before);
     valid_ = false;
+    cloud_.forget();
+    drift_ = {};
 }
 
 /// Puts the history away under ids, before the cloud changes.
@@ -118,12 +120,12 @@ double SoftIntegrator::listSkin() const
     {
         return 0.05*cloud_.smallest;
     }
-    double speed = 0;
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c) speed = std::max(speed, drift_.speed(c));
+    const double speed = drift_.chunks() > 0 ? drift_.speed() : cloud_.speedRange();
     const double way = 2*std::max(speed, std::sqrt(0.2*cloud_.strongestPush*radius))*step_;
     double best = 0, least = 1e300;
-    for (double skin = 0.1*radius; skin <= 2*radius; skin *= 1.25)
+    for (int k = 0; k < 14; ++k)
     {
+        const double skin = 0.1*std::pow(1.25, k)*radius;
         const double reach = 1 + 0.5*skin/radius, candidates = 1.2*reach*reach*reach;
         const double refreshes = std::min(1.0, std::sqrt(way/(0.06*radius)));
         const double cost = 300*way/skin + 3*candidates*refreshes;
@@ -147,6 +149,7 @@ void SoftIntegrator::rebuild()
     std::vector<LastingWall> walls;
     if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
     skin_ = listSkin();
+    checkBox();
     const std::vector<std::uint32_t> now = cloud_.sort(2*cloud_.mean + skin_);
     const Row* rows = cloud_.rows.data();
     const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, &rows->radius, skin_,
@@ -174,6 +177,22 @@ void SoftIntegrator::rebuild()
         refreshWalls(c);
     });
     contacts_.connect();
+}
+
+/// The shortest image must be the only one in reach.
+void SoftIntegrator::checkBox() const
+{
+    const double reach = 2*cloud_.largest + skin_;
+    for (int a = 0; a < 3; ++a)
+    {
+        const double length = settings_.box.high[a] - settings_.box.low[a];
+        if (settings_.box.periodic[a] && length < 2*reach)
+        {
+            throw std::invalid_argument("periodic box is " + std::to_string(length) + " m wide in "
+                + "xyz"[a] + "; allowed: at least " + std::to_string(2*reach)
+                + " m, twice the reach of its largest particle");
+        }
+    }
 }
 
 /// Speeds and frames of the chunks as the particles are now.
@@ -363,6 +382,12 @@ void SoftIntegrator::run(Particles& particles, double duration, std::size_t subS
     report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
                                       atWalls_.takeLargestOverlap()});
     report.bytes = bytes();
+    if (report.largestOverlap > settings_.largestOverlap)
+    {
+        report.warnings.push_back("overlap of " + std::to_string(100*report.largestOverlap)
+            + " % of the radius is above " + std::to_string(100*settings_.largestOverlap)
+            + " %: the contacts are too soft for these speeds, or particles started in each other");
+    }
 }
 
 void SoftIntegrator::contactForces(const Particles& particles, double step, VectorArray& force,

@@ -49,6 +49,7 @@ private:
     void install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls);
     void rebuild();
     void measureSpeeds();
+    void checkBox() const;
     void refresh(std::size_t chunk);
     void refreshWalls(std::size_t chunk);
     void ensureLists();
