@@ -15,6 +15,7 @@ namespace
 constexpr double tangentialMobility = 3.5;     // effective mass over tangential one: 1 + m R^2/I
 constexpr int tableSize = 192;
 constexpr double stepsPerContact = 400;
+constexpr double mostRolling = 0.02;           // beyond it rolling and sliding cannot be told apart
 
 struct Outcome
 {
@@ -60,6 +61,26 @@ Outcome integrate(ContactLaw law, const laws::Coefficients& c, double ratio)
     }
 }
 
+/// Change of spin by a unit of angular impulse, 1/(kg m^2).
+double spinMobility(const ImpactBody& body)
+{
+    return body.radius > 0 ? 2.5*body.inverseMass/(body.radius*body.radius) : 0;
+}
+
+/// Angular impulse of the rolling resistance (see rollingTorque in contact.hpp): `strength`, N s,
+/// times the effective radius, at most what stops the relative spin.
+void resistRolling(ImpactBody& a, ImpactBody& b, double strength)
+{
+    const Vector3 spin = a.spin - b.spin;
+    const double speed = norm(spin);
+    if (!(speed > 0)) return;
+    const double radius = b.radius > 0 ? a.radius*b.radius/(a.radius + b.radius) : a.radius;
+    const double mobilityA = spinMobility(a), mobilityB = spinMobility(b);
+    const double impulse = std::min(strength*radius, speed/(mobilityA + mobilityB));
+    a.spin -= (mobilityA*impulse/speed)*spin;
+    b.spin += (mobilityB*impulse/speed)*spin;
+}
+
 } // namespace
 
 
@@ -75,7 +96,7 @@ ImpactLaw::ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uin
     rolling_ = c.rolling;
     restitution_ = damped ? std::clamp(central.restitution, 0.0, 1.0)
                           : materials.pair(a, b).restitution;
-    applies_ = c.cohesion == 0 && central.duration < 100
+    applies_ = c.cohesion == 0 && c.rolling <= mostRolling && central.duration < 100
         && !(damped && (c.exponent != 1.5 || c.friction > 0));
     if (!applies_ || c.friction == 0) return;
 
@@ -131,6 +152,7 @@ bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLa
     const Vector3 turn = cross(normal, tangential);   // solid spheres: radius/inertia = 2.5/(m r)
     if (a.radius > 0) a.spin -= (2.5*a.inverseMass/a.radius)*turn;
     if (b.radius > 0) b.spin -= (2.5*b.inverseMass/b.radius)*turn;
+    if (law.rolling() > 0) resistRolling(a, b, law.rolling()*push);
     return true;
 }
 

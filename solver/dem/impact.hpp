@@ -26,7 +26,8 @@ public:
     ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uint32_t a, std::uint32_t b);
 
     /// False where one impulse cannot stand for the contact: cohesion, a damping whose restitution
-    /// depends on speed, and the friction of spring-slider-dashpot, which depends on the step.
+    /// depends on speed, the friction of spring-slider-dashpot, which depends on the step, and a
+    /// rolling resistance so strong that it competes with the friction.
     bool applies() const { return applies_; }
     double restitution() const { return restitution_; }
     double rolling() const { return rolling_; }
@@ -72,7 +73,7 @@ struct ImpactBody
     Vector3 velocity, spin;
 };
 
-/// Applies the impulse; `normal` is the unit vector from b to a. Momentum and angular momentum are
+/// Applies the impulse, and the rolling resistance after it; `normal` is the unit vector from b to a. Momentum and angular momentum are
 /// kept to rounding, kinetic energy never grows. Returns false, changing nothing, unless the two
 /// approach each other.
 bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law);

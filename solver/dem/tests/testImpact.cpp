@@ -14,7 +14,8 @@ namespace
 
 struct Uniform
 {
-    std::mt19937_64 generator{11};
+    std::mt19937_64 generator;
+    explicit Uniform(std::uint64_t seed = 11) : generator(seed) {}
     double operator()(double low, double high)
     {
         return std::uniform_real_distribution<double>(low, high)(generator);
@@ -154,6 +155,39 @@ TEST_CASE("impact: the same outcome as the soft contact, from sticking to gross 
                       < 0.01*norm(soft.spin[0]) + 3e-3*sliding/soft.radius[0]);
             }
         }
+}
+
+TEST_CASE("impact: rolling resistance as the soft contact has it")
+{
+    Uniform random(0);
+    for (const double rolling : {0.005, 0.01, 0.02})
+    {
+        auto materials = grains(0.9, 0.3);
+        PairProperties p = materials.pair(0, 0);
+        p.rollingFriction = rolling;
+        materials.setPair(0, 0, p);
+        const ImpactLaw impact(ContactLaw::hertz, materials, 0, 0);
+        Settings settings;
+        settings.treatment = ContactTreatment::soft;
+        settings.stepFraction = 0.002;
+        Encounter2 pair(random, 0.3);
+        pair.particles.spin.set(0, 300.0*pair.normal);
+        pair.body(pair.a, 0);
+        Particles soft = pair.particles;
+        const Vector3 turning = scenes::angularMomentum(soft);
+        Engine engine(settings, materials);
+        engine.advance(soft, 3*impact.duration(1e-5, 1e-3, 1));
+        const double energy = scenes::kineticEnergy(pair.particles);
+        REQUIRE(collide(pair.a, pair.b, pair.normal, impact));
+        Particles& hard = pair.particles;
+        hard.velocity.set(0, pair.a.velocity), hard.velocity.set(1, pair.b.velocity);
+        hard.spin.set(0, pair.a.spin), hard.spin.set(1, pair.b.spin);
+        CHECK(scenes::kineticEnergy(hard) < energy);
+        CHECK(norm(scenes::angularMomentum(hard) - turning) < 1e-12*norm(turning));
+        CAPTURE(rolling);
+        for (const std::size_t i : {0, 1})
+            CHECK(norm(hard.spin[i] - soft.spin[i]) < 15);        // of 300 rad/s
+    }
 }
 
 TEST_CASE("impact: contact duration as that of the soft law")
