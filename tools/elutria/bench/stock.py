@@ -1,0 +1,145 @@
+"""OpenFOAM's own fluidised bed (Goldschmidt's, 24 750 spheres) through stock DPMFoam with
+pairCollision, stock DPMFoam with our collision model, and elutriaFoam: seconds per time step from
+runs of two lengths in turns (start-up drops out), and the bed's state at the end of the longer."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+import statistics
+import time
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from elutria.bench.common import Options, run_program, write_result
+from elutria.errors import InputError
+from elutria.verification.scene import CONTROL, MODELS, change
+
+NAME = "stock"
+HELP = "the Goldschmidt bed: stock DPMFoam, our contacts in it, and elutriaFoam"
+
+TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
+STEP = 2e-5  # s, the tutorial's
+COLUMNS = (
+    "variant", "time_step_s", "seconds_per_step", "low", "high", "seconds_per_simulated_second",
+    "speed_over_stock", "bed_pressure_drop_pa",
+)  # fmt: skip
+DENSITY = 1.2  # kg/m3, of the tutorial's gas
+
+# what is run: solver, time step over the tutorial's, gas on every step or as the plan decides
+VARIANTS: dict[str, tuple[str, float, str]] = {
+    "stock DPMFoam": ("DPMFoam", 1, ""),
+    "our contacts in DPMFoam": ("DPMFoam", 1, ""),
+    "elutriaFoam, same gas step": ("elutriaFoam", 1, "on"),
+    "elutriaFoam, step 10 times": ("elutriaFoam", 10, "auto"),
+}
+STOCK = "stock DPMFoam"
+
+
+def run(options: Options) -> None:
+    """Time every variant and write stock.csv, .png and .json.
+
+    `--option steps=N`: length of the longer run in the tutorial's time steps (default 60).
+    Raises InputError without the tutorial (Debian's openfoam-examples).
+    """
+    if not TUTORIAL.is_dir():
+        raise InputError(f"{TUTORIAL}: not found; apt-get install openfoam-examples")
+    steps = int(options.extra.get("steps", "30" if options.quick else "60"))
+    lengths = (max(steps // 3 // 10 * 10, 10), steps)
+    cases = {name: _make(options.folder / "runs", name) for name in VARIANTS}
+
+    seconds: dict[str, list[float]] = {name: [] for name in VARIANTS}
+    for repeat in range(options.repeats):
+        for name, case in cases.items():
+            solver, factor, _ = VARIANTS[name]
+            short, long = (_time(case, solver, n * STEP) for n in lengths)
+            seconds[name].append((long - short) / ((lengths[1] - lengths[0]) / factor))
+            options.say(f"{repeat + 1}/{options.repeats} {name}: {seconds[name][-1]:.4f} s a step")
+
+    rows = [_row(name, seconds, cases[name]) for name in VARIANTS]
+    write_result(options, NAME, COLUMNS, rows, _figure(rows), {"steps": steps})
+    shutil.rmtree(options.folder / "runs")
+
+
+def _make(folder: Path, name: str) -> Path:
+    """A copy of the tutorial set up for a variant."""
+    solver, factor, gas = VARIANTS[name]
+    case = folder / name.replace(" ", "-").replace(",", "")
+    shutil.rmtree(case, ignore_errors=True)
+    shutil.copytree(TUTORIAL, case)
+    for packed in case.rglob("*.gz"):
+        packed.with_suffix("").write_bytes(gzip.decompress(packed.read_bytes()))
+        packed.unlink()
+    change(
+        case,
+        {
+            f"{CONTROL}:deltaT": factor * STEP,
+            f"{CONTROL}:writeControl": "timeStep",
+            f"{CONTROL}:writeInterval": 1000000,
+            f"{CONTROL}:functions": {
+                "bed": {
+                    "type": "surfaceFieldValue",
+                    "libs": ['"libfieldFunctionObjects.so"'],
+                    "regionType": "patch",
+                    "name": "bottom",
+                    "operation": "areaAverage",
+                    "fields": ["p"],
+                    "writeFields": False,
+                    "log": False,
+                }
+            },
+        },
+    )
+    if name != STOCK:
+        change(case, {f"{MODELS}/collisionModel": "cellList"})
+    if solver == "DPMFoam" and name != STOCK:
+        change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
+    if gas:
+        header = "FoamFile { version 2.0; format ascii; class dictionary; object scenePlan; }\n"
+        (case / "system/scenePlan").write_text(f"{header}gas {gas};\n")
+    run_program(["blockMesh"], case)
+    return case
+
+
+def _time(case: Path, solver: str, end: float) -> float:
+    """Wall seconds of a run from the start to `end` seconds."""
+    shutil.rmtree(case / "postProcessing", ignore_errors=True)
+    change(case, {f"{CONTROL}:endTime": end})
+    start = time.perf_counter()
+    run_program([solver], case)
+    return time.perf_counter() - start
+
+
+def _row(name: str, seconds: dict[str, list[float]], case: Path) -> dict[str, object]:
+    factor = VARIANTS[name][1]
+    per_second = [s / (factor * STEP) for s in seconds[name]]
+    stock = [s / STEP for s in seconds[STOCK]]
+    pressure = np.loadtxt(next(case.glob("postProcessing/bed/*/surfaceFieldValue.dat")), ndmin=2)
+    return {
+        "variant": name,
+        "time_step_s": factor * STEP,
+        "seconds_per_step": statistics.median(seconds[name]),
+        "low": min(seconds[name]),
+        "high": max(seconds[name]),
+        "seconds_per_simulated_second": statistics.median(per_second),
+        "speed_over_stock": statistics.median(
+            s / own for s, own in zip(stock, per_second, strict=True)
+        ),
+        "bed_pressure_drop_pa": DENSITY * float(np.mean(pressure[len(pressure) // 2 :, 1])),
+    }
+
+
+def _figure(rows: list[dict[str, object]]) -> plt.Figure:
+    figure, axes = plt.subplots(figsize=(85 / 25.4, 60 / 25.4), layout="constrained")
+    names = [str(row["variant"]) for row in rows]
+    speed = [float(str(row["speed_over_stock"])) for row in rows]
+    axes.barh(names, speed, color="#0072B2")
+    for place, value in enumerate(speed):
+        axes.annotate(f" {value:.1f}", (value, place), va="center", fontsize=7)
+    axes.invert_yaxis()
+    axes.set_xlabel("simulated time per wall time, over stock", fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.set_xlim(0, max(speed) * 1.15)
+    return figure
