@@ -15,7 +15,7 @@ namespace
 constexpr double tangentialMobility = 3.5;     // effective mass over tangential one: 1 + m R^2/I
 constexpr int tableSize = 192;
 constexpr double stepsPerContact = 400;
-constexpr double mostRolling = 0.02;           // beyond it rolling and sliding cannot be told apart
+constexpr double mostRolling = 0.01;           // beyond it rolling and sliding cannot be told apart
 
 struct Outcome
 {

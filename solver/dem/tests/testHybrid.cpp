@@ -383,7 +383,7 @@ TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
         Engine engine(with(soft ? ContactTreatment::soft : ContactTreatment::automatic),
                       grains(0.6, 0.4, 1e6), walls);
         StepReport report;
-        for (int k = 0; k < 400; ++k) report = engine.advance(p, 5e-4);
+        for (int k = 0; k < 600; ++k) report = engine.advance(p, 5e-4);
         height[soft] = 0;
         for (std::size_t i = 0; i < p.size(); ++i) height[soft] += p.position[i].z/double(p.size());
         energy[soft] = scenes::kineticEnergy(p);

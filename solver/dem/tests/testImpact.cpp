@@ -160,7 +160,7 @@ TEST_CASE("impact: the same outcome as the soft contact, from sticking to gross 
 TEST_CASE("impact: rolling resistance as the soft contact has it")
 {
     Uniform random(0);
-    for (const double rolling : {0.005, 0.01, 0.02})
+    for (const double rolling : {0.002, 0.005, 0.01})
     {
         auto materials = grains(0.9, 0.3);
         PairProperties p = materials.pair(0, 0);
