@@ -22,6 +22,7 @@ from elutria.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.events import read_run
 from elutria.files import read_json, write_json, writing_to
+from elutria.started import started_in
 
 if TYPE_CHECKING:
     from elutria.solver import Step
@@ -152,10 +153,14 @@ def make_mesh(case: Case) -> None:
 
 def _program(arguments: list[str], folder: Path, log: str) -> None:
     """Run a program in `folder`, its output in `log`. Raises ElutriaError when it fails."""
-    with writing_to(folder), (folder / log).open("w") as output:
+    with (
+        writing_to(folder),
+        (folder / log).open("w") as output,
+        started_in(folder, arguments) as command,
+    ):
         try:
             code = subprocess.run(
-                arguments, cwd=folder, stdout=output, stderr=subprocess.STDOUT, check=False
+                command, cwd=folder, stdout=output, stderr=subprocess.STDOUT, check=False
             ).returncode
         except OSError as error:
             raise ElutriaError(

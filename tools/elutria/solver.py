@@ -19,6 +19,7 @@ from PyFoam.Execution.BasicRunner import BasicRunner
 from PyFoam.Execution.FoamThread import FoamThread
 
 from elutria.files import writing_to
+from elutria.started import started_in
 
 _STEP = re.compile(
     r"elutria: time (\S+) fed (\d+) fines (\d+) coarse (\d+) inside (\d+) lost (\d+)"
@@ -109,15 +110,19 @@ def follow(folder: Path, command: list[str], log: str, on_step: Callable[[Step],
     """
     if shutil.which("setpriv"):
         command = ["setpriv", "--pdeathsig", "KILL", *command]
-    with contextlib.chdir(folder), writing_to(folder):
-        runner = _Runner(command, log, on_step)
+    with (
+        contextlib.chdir(folder),
+        writing_to(folder),
+        started_in(Path.cwd(), command) as placed,
+    ):
+        runner = _Runner(placed, log, on_step)
         try:
             result: dict[str, Any] = runner.start()
         except BaseException:  # our own trouble, such as a full disk: the solver must not go on
             if runner.run.threadPid > 0:
                 os.kill(runner.run.threadPid, signal.SIGKILL)
             raise
-    runner.run.join()
+        runner.run.join()
     code = int(runner.run.returncode)
     return Outcome(
         whole=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,

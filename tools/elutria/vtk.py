@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from elutria.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import whole_file, writing_to
+from elutria.started import started_in
 
 
 def write_vtk(case: Path, to: Path) -> list[Path]:
@@ -44,7 +45,8 @@ def _convert(case: Path) -> Path:
     """Run foamToVTK in the case; gives the folder of what it wrote, to be removed after use."""
     name = "elutriaConverted"
     command = ["foamToVTK", "-ascii", "-no-boundary", "-overwrite", "-name", name]
-    done = subprocess.run(command, cwd=case, capture_output=True, text=True, check=False)
+    with started_in(case, command) as placed:
+        done = subprocess.run(placed, cwd=case, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         lines = [line for line in (done.stdout + done.stderr).splitlines() if line.strip()]
         raise ElutriaError(f"foamToVTK failed in {case}: {one_line(' '.join(lines[-3:]))}")
