@@ -17,6 +17,7 @@ from elutria.classify import CURVE_COLUMNS, Classification, classify
 from elutria.curves import MODELS
 from elutria.events import Account, Events, Run
 from elutria.files import read_csv, write_csv
+from elutria.report import inside_notes
 from elutria.theory import COLUMNS
 
 MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
@@ -122,3 +123,15 @@ def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
     assert np.interp(summary["d50_m"], size, share) == pytest.approx(0.5, abs=2e-3)
     assert np.all((low <= share) & (share <= high))
     assert np.all(np.diff(share) >= 0)
+
+
+def test_what_did_not_leave_is_said() -> None:
+    run = synthetic(5.0, ["quartz"])
+    tables = classify(run, 5.0, 1.0)
+    assert inside_notes(tables.partition) == []
+    hovering = (run.events.diameter > 480e-6) & (run.events.diameter < 520e-6)
+    run.events.outlet[hovering] = "inside"
+    (line,) = inside_notes(classify(run, 5.0, 1.0).partition)
+    assert "5 m/s" in line
+    assert "still inside" in line
+    assert "um" in line

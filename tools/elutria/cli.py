@@ -16,7 +16,7 @@ from elutria.errors import ElutriaError, InputError, one_line, suggestion
 from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
-    from elutria.classify import Row
+    from elutria.classify import Classification, Row
     from elutria.solver import Step
 
 app = typer.Typer(
@@ -116,7 +116,7 @@ def sweep(
         result = run_sweep(source, folder, members, jobs, np, display)
     if result.skipped:
         console.print(f"{result.skipped} of {len(members)} runs were finished before", style="dim")
-    _show_summary(result.tables.summary)
+    _show(result.tables)
     if result.tables.summary:
         _plot(folder)
     if result.failures:
@@ -254,15 +254,17 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
     tables.write(to)
     write_theory(case, [velocity], to)
     if not quiet:
-        _show_summary(tables.summary)
+        _show(tables)
     return tables.summary
 
 
-def _show_summary(rows: list[Row]) -> None:
-    from elutria.report import summary_table
+def _show(tables: Classification) -> None:
+    from elutria.report import inside_notes, summary_table
 
-    if rows:
-        console.print(summary_table(rows))
+    if tables.summary:
+        console.print(summary_table(tables.summary))
+    for line in inside_notes(tables.partition):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 def _plot(folder: Path) -> None:

@@ -175,7 +175,7 @@ def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
     axes.set_xlabel("gas velocity  $U$  (m/s)")
     axes.set_ylabel("cut size  $d_{50}$  (µm)")
     axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
     _cut_size_legend(axes, materials, lines)
     return figure
 

@@ -42,6 +42,23 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
     return table
 
 
+def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[str]:
+    """A line for each velocity at which more than `limit` of the feed's mass had not left."""
+    notes = []
+    rows = [row for row in partition if row["material"] == "all"]
+    for velocity in dict.fromkeys(row["gas_velocity_m_s"] for row in rows):
+        here = [row for row in rows if row["gas_velocity_m_s"] == velocity]
+        inside, fed = sum(r["inside_kg"] for r in here), sum(r["feed_kg"] for r in here)
+        if inside > limit * fed:
+            worst = max(here, key=lambda row: row["inside_kg"])
+            notes.append(
+                f"{velocity:g} m/s: {100 * inside / fed:.2g} % of the feed is still inside, most "
+                f"of it near {worst['diameter_m'] * 1e6:.3g} um, and is in no curve; "
+                "a longer drainTime lets it leave"
+            )
+    return notes
+
+
 def _micrometres(value: float) -> str:
     return "-" if value != value else f"{value * 1e6:.4g}"
 
