@@ -12,6 +12,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 TOOLS = ("bash", "cat", "cut", "dirname", "env", "grep", "mkdir", "printf", "sed", "tail")
 
+PACKAGES = "openfoam openfoam-examples g++ make cmake bzip2 doctest-dev"
+
 
 @pytest.fixture
 def bare_machine(tmp_path: Path) -> Path:
@@ -42,10 +44,8 @@ def test_without_root_and_openfoam_the_packages_are_named(bare_machine: Path) ->
     assert run.returncode == 1
     assert run.stdout == ""
     why, what_to_do = run.stderr.splitlines()
-    assert why.startswith(
-        "elutria: failed: packages: missing: openfoam g++ make cmake bzip2 doctest-dev"
-    )
-    assert "apt-get install openfoam g++ make cmake bzip2 doctest-dev" in what_to_do
+    assert why.startswith(f"elutria: failed: packages: missing: {PACKAGES}")
+    assert f"apt-get install {PACKAGES}" in what_to_do
 
 
 def test_a_sourced_openfoam_asks_for_no_openfoam_and_installs_nothing(bare_machine: Path) -> None:
@@ -58,7 +58,7 @@ def test_a_sourced_openfoam_asks_for_no_openfoam_and_installs_nothing(bare_machi
     assert run.returncode == 1
     assert "missing: g++ make cmake" in run.stderr
     assert "nothing is installed system-wide" in run.stderr
-    assert "openfoam g++" not in run.stderr
+    assert "install openfoam" not in run.stderr
 
 
 def test_a_machine_without_apt_is_told_so(bare_machine: Path) -> None:
