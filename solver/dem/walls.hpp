@@ -155,7 +155,12 @@ private:
 
     void check() const;
     void buildTriangles();
+    struct Topology;
     void buildTopology();
+    void joinCorners(Topology& topology);
+    void joinSurfaces(const Topology& topology);
+    void joinRuns(Topology& topology) const;
+    void nameFeatures(Topology& topology);
     std::uint32_t buildTree(std::uint32_t begin, std::uint32_t end);
     void buildGrid();
     std::vector<double> squaredDistances() const;
