@@ -1,0 +1,186 @@
+"""Many particles: homogeneous cooling by Haff's law, and hindered settling."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from elutria.bench.common import Options
+from elutria.drag import LAWS, Gas
+from elutria.plots import new_figure
+from elutria.verification.book import Chapter, Row, write_chapter
+from elutria.verification.scene import (
+    BOX,
+    CONTACTS,
+    CONTROL,
+    MODELS,
+    Particles,
+    make_scene,
+    read_particles,
+    run_scene,
+    times,
+)
+
+NAME = "clouds"
+HELP = "Many particles: homogeneous cooling by Haff's law, and hindered settling."
+
+Array = NDArray[np.float64]
+
+PERIODIC = {
+    f"{BOX}:sides": "cyclic",
+    f"{BOX}:ends": "cyclic",
+    f"{BOX}:bottomGroup": "closed",
+    f"{BOX}:topGroup": "closed",
+}
+
+
+def run(options: Options) -> None:
+    """Cooling at two solid fractions and two restitutions; settling against Richardson-Zaki."""
+    chapter = Chapter(
+        NAME,
+        "Many particles",
+        "Homogeneous cooling: spheres without friction lose their random motion by Haff's law "
+        "(1983), with the contact value of Carnahan and Starling; the theory assumes uncorrelated "
+        "velocities, which holds to a few per cent at e = 0.9 until clusters form. Hindered "
+        "settling: equal spheres share gas at rest, first against the code's own drag law, then "
+        "against Richardson and Zaki (1954), with whom laws differ by far more than the code does.",
+    )
+    number = 600 if options.quick else 3000
+    with TemporaryDirectory() as work:
+        _haff(chapter, Path(work), number)
+        _hindered(chapter, Path(work))
+    write_chapter(options, chapter)
+
+
+def _lattice(number: int, side: float) -> Array:
+    """Places (m) on a cubic lattice that fills the periodic box, in random order."""
+    cells = int(np.ceil(number ** (1 / 3)))
+    grid = (np.stack(np.meshgrid(*[np.arange(cells)] * 3), axis=-1).reshape(-1, 3) + 0.5) / cells
+    return np.asarray(np.random.default_rng(5).permutation(grid)[:number] * side)
+
+
+def cooling(
+    folder: Path, number: int, solids: float, restitution: float
+) -> tuple[Array, Array, float]:
+    """Times (s), sqrt(T0/T) and Haff's rate 1/t0 (1/s)."""
+    diameter, speed, duration = 1e-3, 0.1, 0.6
+    side = (number * np.pi / 6 * diameter**3 / solids) ** (1 / 3)
+    velocity = np.random.default_rng(7).normal(0, speed, (number, 3))
+    start = Particles.of(_lattice(number, side), velocity - velocity.mean(0), diameter=diameter)
+    case = make_scene(
+        folder,
+        start,
+        {
+            **PERIODIC,
+            **{f"{BOX}:{name}": side for name in ("width", "depth", "height")},
+            f"{BOX}:gravity": 0,
+            f"{MODELS}/particleForces": {"gravity": {}},
+            f"{MODELS}/collisionModel": "cellList",
+            f"{CONTACTS}/particleParticle": {"restitution": restitution, "friction": 0},
+            f"{CONTROL}:deltaT": 2e-3,
+            f"{CONTROL}:endTime": duration,
+            f"{CONTROL}:writeInterval": duration / 12,
+        },
+    )
+    run_scene(case)
+    states = [start, *(read_particles(case, time) for time in times(case)[1:])]
+    temperature = np.array([state.velocity.var(axis=0).mean() for state in states])
+    contact_value = (1 - solids / 2) / (1 - solids) ** 3
+    rate = (
+        (1 - restitution**2) / 3 * 2 * np.sqrt(np.pi) * number / side**3 * diameter**2
+        * contact_value * np.sqrt(temperature[0])
+    )  # fmt: skip
+    moments = np.array([0.0, *(float(time) for time in times(case)[1:])])
+    return moments, np.sqrt(temperature[0] / temperature), float(rate)
+
+
+def _haff(chapter: Chapter, folder: Path, number: int) -> None:
+    figure, (axes,) = new_figure(60)
+    colours = iter(("#0072B2", "#D55E00", "#009E73", "#CC79A7"))
+    for solids in (0.05, 0.15):
+        for restitution in (0.95, 0.9):
+            name = f"haff{solids}{restitution}"
+            moments, cooled, rate = cooling(folder / name, number, solids, restitution)
+            slope = float(np.polyfit(moments, cooled, 1)[0])
+            chapter.rows.append(
+                Row.relative(
+                    f"Haff's cooling, {number} spheres, solids {solids:g}, e {restitution:g}",
+                    "slope of sqrt(T0/T), 1/s",
+                    rate,
+                    slope,
+                    0.05,
+                    "8 % at e = 0.9",
+                )
+            )
+            colour = next(colours)
+            label = f"solids {solids:g}, e {restitution:g}"
+            axes.plot(moments * rate, cooled, "o", color=colour, markersize=3, label=label)
+    end = axes.get_xlim()[1]
+    axes.plot([0, end], [1, 1 + end], "k:", label="Haff")
+    axes.set_xlabel("time over t0")
+    axes.set_ylabel("sqrt(T0/T)")
+    axes.legend()
+    chapter.figures["haff"] = (figure, "Homogeneous cooling in a periodic box.")
+
+
+def _hindered(chapter: Chapter, folder: Path) -> None:
+    diameter, density, number, gravity, gas = 5e-4, 1500.0, 400, 9.80665, Gas()
+    weight = (density - gas.density) * gravity
+
+    def settling(solids: float) -> float:
+        """Slip (m/s) at which Wen and Yu's drag carries the weight."""
+        void = 1 - solids
+
+        def surplus(slip: float) -> float:
+            reynolds = void * slip * diameter * gas.density / gas.viscosity
+            drag = LAWS["Schiller-Naumann"](reynolds, 1) * void**-2.65
+            return 0.75 * drag * gas.density * slip**2 / diameter - weight
+
+        return float(brentq(surplus, 1e-9, 100))
+
+    alone = settling(0)
+    reynolds = alone * diameter * gas.density / gas.viscosity
+    exponent = 4.45 * reynolds**-0.1
+    for solids in (0.05, 0.1, 0.2, 0.3, 0.4):
+        side = (number * np.pi / 6 * diameter**3 / solids) ** (1 / 3)
+        places = np.random.default_rng(1).uniform(0.01, 0.99, (number, 3)) * side
+        case = make_scene(
+            folder / f"hindered{solids}",
+            Particles.of(places, diameter=diameter, density=density),
+            {
+                **PERIODIC,
+                **{f"{BOX}:{name}": side for name in ("width", "depth", "height")},
+                f"{MODELS}/particleForces": {
+                    "WenYuVoidDrag": {"alphac": "alpha.air"},
+                    "gravity": {},
+                },
+                f"{CONTROL}:deltaT": 0.02,
+                f"{CONTROL}:endTime": 4,
+                f"{CONTROL}:writeInterval": 4,
+            },
+        )
+        run_scene(case)
+        speed = -read_particles(case, "4").velocity[:, 2]
+        slip = float(speed[np.abs(speed / settling(solids) - 1).argmax()])
+        chapter.rows.append(
+            Row.relative(
+                f"Hindered settling by Wen and Yu, solids {solids:g}",
+                "slip, worst particle against the law's balance, m/s",
+                settling(solids),
+                slip,
+                1e-4,
+            )
+        )
+        chapter.rows.append(
+            Row.relative(
+                f"Hindered settling by Wen and Yu, solids {solids:g}",
+                f"superficial slip over v_t against Richardson-Zaki, n {exponent:.2f}",
+                (1 - solids) ** exponent,
+                (1 - solids) * slip / alone,
+                0.1,
+            )
+        )
