@@ -3,7 +3,9 @@
 #include "DisjointSets.hpp"
 #include "Engine.hpp"
 #include "island.hpp"
+#include "threads.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -50,8 +52,41 @@ private:
     enum class Outcome { done, tooLong, contactsRule };
     enum class WallLook : std::uint8_t { away, meets, touches, overlaps };   // touches: known
     struct Candidate { std::uint32_t first, second; };
-    template<class Work> void forParticles(const Work& work) const;
-    unsigned threadsFor(std::size_t particles) const;
+    static constexpr std::uint32_t none = 0xffffffffu;
+    static constexpr std::size_t block = 2048;           // particles that a thread takes at a time
+    static constexpr std::size_t manyParticles = 4*block;    // worth a second thread
+
+    static bool recordBefore(const ContactRecord& a, const ContactRecord& b)
+    {
+        if (a.first != b.first) return a.first < b.first;
+        return a.second != b.second ? a.second < b.second : a.wall < b.wall;
+    }
+
+    unsigned threadsFor(std::size_t particles) const
+    {
+        return particles < manyParticles ? 1 : settings_.threads;
+    }
+
+    /// Calls work(i) for every particle, in any order.
+    template<class Work>
+    void forParticles(const Work& work) const
+    {
+        const std::size_t n = start_.size();
+        forEach(threadsFor(n), (n + block - 1)/block, [&](std::size_t k)
+        {
+            for (std::size_t i = k*block; i < std::min(n, (k + 1)*block); ++i) work(i);
+        });
+    }
+
+    /// Calls visit(i, j) for every pair of particles whose bounds overlap.
+    template<class Visit>
+    void forBoundPairs(const Visit& visit) const
+    {
+        for (std::uint32_t i = 0; i < bounds_.size(); ++i)
+            for (std::uint32_t k = pairs_.begin[i]; k < pairs_.begin[i + 1]; ++k)
+                visit(i, pairs_.second[k]);
+    }
+
 
     void load(const Particles& particles);
     void store(Particles& particles) const;
@@ -62,7 +97,6 @@ private:
     void findCandidates(double duration, StepReport& report);
     void findBoundPairs();
     void checkPair(std::uint32_t i, std::uint32_t j);
-    template<class Visit> void forBoundPairs(const Visit& visit) const;
     WallLook lookForWalls(std::size_t i, double duration) const;
     void separateOverlaps(StepReport& report);
     void makeIslands();

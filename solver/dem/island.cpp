@@ -1,9 +1,9 @@
 #include "island.hpp"
 
+#include "Stopwatch.hpp"
 #include "meeting.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace elutria::dem
@@ -20,11 +20,6 @@ Settings forIslands(Settings settings)
 {
     settings.threads = 1;
     return settings;
-}
-
-double secondsSince(std::chrono::steady_clock::time_point start)
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
@@ -60,18 +55,16 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
     if (touching) startSoft(history);
     while (time < duration)
     {
-        auto clock = std::chrono::steady_clock::now();
         if (!touching)
         {
+            const Stopwatch watch(island.impactSeconds);
             time = events_.run(island.end, time, duration, island.legs);
             island.impacts += events_.impacts();
-            island.impactSeconds += secondsSince(clock);
-            if (time >= duration) break;
-            clock = std::chrono::steady_clock::now();
-            startSoft({});
         }
+        if (time >= duration) break;
+        const Stopwatch watch(island.softSeconds);
+        if (!touching) startSoft({});
         time = softChunk(island, time, duration, touching);
-        island.softSeconds += secondsSince(clock);
     }
     if (touching) island.contacts = soft_->exportContacts();
 }
