@@ -125,6 +125,7 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
         const double reach = a.radius + b.radius + margin;
         if (squaredNorm(apart) < reach*reach) before.carryTo(next, i, j);
     };
+    const std::uint32_t last = list.begin[end] - 1;
     next.count = 0;
     chunk.later.clear();
     OldContacts inside(old, 0, old.inside), across(old, old.inside, old.count);
@@ -134,6 +135,7 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
         for (std::uint32_t k = list.begin[i]; k < list.begin[i + 1]; ++k)
         {
             const std::uint32_t j = list.second[k];
+            __builtin_prefetch(rows + list.second[std::min(k + 16, last)]);
             if (j < end) choose(inside, i, j);
             else chunk.later.push_back({i, j});
         }

@@ -70,6 +70,7 @@ ELUTRIA_INLINE void stage(const PairWork& w, std::size_t start, std::size_t coun
     const Double4 signs = {-1, -1, -1, 1};
     const Float8 relativeSigns = {-1, -1, -1, 1, 1, 1, 1, 1};
     const std::uint32_t *first = w.contacts.first + start, *second = w.contacts.second + start;
+    const std::size_t rest = w.contacts.count - start;
     for (std::size_t k = 0; k < contactBlock; k += 8)
     {
         Double4 apart[8];
@@ -78,6 +79,8 @@ ELUTRIA_INLINE void stage(const PairWork& w, std::size_t start, std::size_t coun
         {
             const std::size_t m = k + l < count ? k + l : count - 1;
             const Row &a = w.rows[first[m]], &b = w.rows[second[m]];
+            __builtin_prefetch(w.loads + second[m], 1);
+            if (m + contactBlock < rest) __builtin_prefetch(w.rows + second[m + contactBlock]);
             apart[l] = *reinterpret_cast<const Double4*>(&a.x)
                        + signs**reinterpret_cast<const Double4*>(&b.x);
             relative[l] = *reinterpret_cast<const Float8*>(&a.vx)
