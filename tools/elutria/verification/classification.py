@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from foamlib import FoamFile
+from matplotlib import rc_context
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
@@ -16,7 +17,7 @@ from elutria.bench.common import Options
 from elutria.classify import fit_events
 from elutria.drag import Gas, plug_flow_cut_size, terminal_velocity
 from elutria.events import Events, read_run
-from elutria.plots import new_figure
+from elutria.plots import STYLE, new_figure
 from elutria.theory import channel_fines_share
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
@@ -43,6 +44,7 @@ PLUG_FLOW = {
 }
 
 
+@rc_context(STYLE)
 def run(options: Options) -> None:
     """Plug flow at two densities, a laminar channel, and the limit of a vanishing feed."""
     chapter = Chapter(

@@ -6,12 +6,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from matplotlib import rc_context
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
 from elutria.drag import LAWS, Gas
-from elutria.plots import new_figure
+from elutria.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,
@@ -38,6 +39,7 @@ PERIODIC = {
 }
 
 
+@rc_context(STYLE)
 def run(options: Options) -> None:
     """Cooling at two solid fractions and two restitutions; settling against Richardson-Zaki."""
     chapter = Chapter(

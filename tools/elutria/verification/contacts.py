@@ -9,11 +9,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
-from elutria.plots import new_figure
+from elutria.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,
@@ -34,6 +35,7 @@ HELP = "Contacts against closed forms and a measurement: bounce, sliding, rollin
 Array = NDArray[np.float64]
 
 
+@rc_context(STYLE)
 def run(options: Options) -> None:
     """Free fall and bounce, oblique impacts, slip to roll, Hertz' peaks, Kharaz' measurement."""
     chapter = Chapter(
@@ -464,6 +466,6 @@ def _kharaz(chapter: Chapter, folder: Path) -> None:
         axes.plot(angles, values, "o", color="#D55E00", label="measured")
         axes.plot(curve_angles, curve[name], "-", color="#0072B2", label="elutriaFoam")
         axes.set_ylabel(label)
-    panels[0].legend()
+    panels[-1].legend()
     panels[-1].set_xlabel("impact angle from the normal, degrees")
     chapter.figures["kharaz"] = (figure, "Oblique impact of alumina on glass at 3.9 m/s.")

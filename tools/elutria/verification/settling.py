@@ -8,12 +8,13 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from elutria.bench.common import Options
 from elutria.drag import LAWS, Gas, terminal_velocity
-from elutria.plots import new_figure
+from elutria.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,
@@ -51,6 +52,7 @@ FORCES = {
 }
 
 
+@rc_context(STYLE)
 def run(options: Options) -> None:
     """Settling in an upflow, a sweep of sizes and densities, stiff relaxation, each drag law."""
     chapter = Chapter(
