@@ -91,18 +91,20 @@ def test_the_fit_is_a_maximum() -> None:
 
 
 def coverage(model: Model, log_shape: float, bypass: float, number: int, sets: int) -> Array:
-    """Share of data sets whose intervals hold the true d25, d50 and d75."""
-    hits = np.zeros(3)
+    """Share of the given intervals that hold the true d25, d50 and d75, over many data sets."""
+    hits, given = np.zeros(3), np.zeros(3)
     for seed in range(sets):
         fit = fit_partition(*draw(model, log_shape, bypass, number, seed))
         for k, level in enumerate(LEVELS):
             _, low, high = fit.sizes[level]
             hits[k] += low <= true_size(model, log_shape, bypass, level) <= high
-    return hits / sets
+            given[k] += not np.isnan(low)
+    assert np.all(given > 0.7 * sets)  # few events do not always reach d25 above a bypass
+    return hits / given
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 200) - 0.95) < 0.045)
+    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 120) - 0.95) < 0.05)
 
 
 @pytest.mark.slow
@@ -121,11 +123,11 @@ def test_bands_cover_the_curve_as_often_as_they_say() -> None:
     sizes = np.array([450e-6, 600e-6, 700e-6, 850e-6, 1200e-6])
     truth = 0.05 + 0.95 * MODELS[0].share(sizes / CUT, 1.8)
     hits = np.zeros(sizes.size)
-    for seed in range(200):
-        fit = fit_partition(*draw(MODELS[0], 1.8, 0.05, 800, seed), intervals=False)
+    for seed in range(120):
+        fit = fit_partition(*draw(MODELS[0], 1.8, 0.05, 600, seed), intervals=False)
         _, low, high = fit.band(sizes)
         hits += (low <= truth) & (truth <= high)
-    assert np.all((hits / 200 >= 0.90) & (hits / 200 <= 0.99)), hits / 200
+    assert np.all((hits / 120 >= 0.90) & (hits / 120 <= 0.99)), hits / 120
 
 
 def test_more_events_know_more() -> None:

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import traceback
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -275,7 +276,7 @@ def _plot(folder: Path) -> None:
 
 
 def _json(value: Any) -> Any:
-    return None if isinstance(value, float) and value != value else value
+    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 class _SweepDisplay:

@@ -104,8 +104,8 @@ class CurveFit:
 class PartitionFit:
     """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one.
 
-    A size is nan where the curve does not reach its level within the sizes that left. `gap` holds
-    the sizes between which a step lies.
+    A size is nan where the curve does not reach its level within the sizes that left; an interval
+    that the events do not close ends at 0 or inf. `gap` holds the sizes between which a step lies.
     """
 
     ranked: list[CurveFit]
@@ -263,7 +263,7 @@ def _interval(likelihood: Likelihood, ranked: list[CurveFit], level: float) -> t
 def _profile_interval(
     likelihood: Likelihood, fit: CurveFit, level: float, slack: float
 ) -> tuple[float, float]:
-    """Diameters at `level` that cost the fit less than `slack` in 2 ln L."""
+    """Diameters at `level` costing the fit less than `slack` in 2 ln L; open ends are 0 and inf."""
     model = fit.model
     assert model is not None
     best = log(fit.diameter_at(level))
@@ -280,7 +280,7 @@ def _profile_interval(
     low = _crossing(lambda t, p: lack(best - t, p), nuisance, slack)
     guess = low if isfinite(low) else 0.01
     high = _crossing(lambda t, p: lack(best + t, p), nuisance, slack, guess)
-    return exp(best - low) if isfinite(low) else nan, exp(best + high) if isfinite(high) else nan
+    return exp(best - low), exp(best + high)
 
 
 def _crossing(

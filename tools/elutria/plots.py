@@ -162,7 +162,8 @@ def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
             for name in ("d50_m", "d25_m", "d75_m", "d50_low_m", "d50_high_m")
         )
         axes.vlines(speed, d25, d75, color=colour, linewidth=3.5, alpha=0.3)
-        bars = np.nan_to_num(np.array([cut - low, high - cut]))
+        bars = np.array([cut - low, high - cut])
+        bars[~np.isfinite(bars)] = 0  # an interval that is open at this end
         axes.errorbar(
             speed, cut, yerr=np.maximum(bars, 0), fmt="o", ms=3, color=colour,
             capsize=2, elinewidth=0.8, capthick=0.8,
