@@ -10,7 +10,7 @@ namespace elutria::dem
 namespace
 {
 
-constexpr double cellsPerTriangle = 512, fewestCells = 1 << 13, mostCells = 1 << 18;
+constexpr double cellsPerTriangle = 128, fewestCells = 1 << 13, mostCells = 1 << 17;
 constexpr std::uint32_t leafSize = 4;
 
 /// Lower envelope of the parabolas f(j) + (i-j)^2 h^2 (Felzenszwalb & Huttenlocher 2012), along one
@@ -130,7 +130,7 @@ void Walls::buildGrid()
                                                   (double(y) + 0.5)*spacing.y,
                                                   (double(z) + 0.5)*spacing.z};
         const double guess = std::sqrt(distances[i]);
-        distances[i] = guess < 6*diagonal ? distanceNear(centre, guess + 0.5*diagonal)
+        distances[i] = guess < 2*diagonal ? distanceNear(centre, guess + 0.5*diagonal)
                                           : guess - 0.5*diagonal;
     }
     boundUnit_ = std::max(*std::max_element(distances.begin(), distances.end()), diagonal)/255;
@@ -141,17 +141,41 @@ void Walls::buildGrid()
 }
 
 
-/// Distance to the walls, known to be at most `guess`.
+/// Distance to the walls, known to be at most `guess`: boxes farther than the nearest so far are left
+/// out.
 double Walls::distanceNear(const Vector3& position, double guess) const
 {
-    thread_local std::vector<Image> around;
-    around.clear();
-    const Vector3 reach{guess, guess, guess};
-    collectBox(position - reach, position + reach, around);
-    double nearest = guess;
-    for (const Image& image : around)
-        nearest = std::min(nearest, norm(position - nearestPoint(image, position)));
-    return nearest;
+    double nearest = guess*guess;
+    forImages(position - Vector3{guess, guess, guess}, position + Vector3{guess, guess, guess},
+              [&](const Vector3& shift)
+    {
+        const Vector3 p = position - shift;
+        std::uint32_t stack[64];
+        int height = 0;
+        stack[height++] = 0;
+        while (height > 0)
+        {
+            const std::uint32_t index = stack[--height];
+            const Node& node = nodes_[index];
+            if (squaredDistanceToBox(p, node.low, node.high) >= nearest) continue;
+            if (!node.leaf)
+            {
+                const std::uint32_t left = index + 1, right = node.begin;
+                const bool leftFirst =
+                    squaredDistanceToBox(p, nodes_[left].low, nodes_[left].high)
+                    < squaredDistanceToBox(p, nodes_[right].low, nodes_[right].high);
+                stack[height++] = leftFirst ? right : left;
+                stack[height++] = leftFirst ? left : right;
+                continue;
+            }
+            for (std::uint32_t i = node.begin; i < node.end; ++i)
+            {
+                const Triangle& t = triangles_[order_[i]];
+                nearest = std::min(nearest, squaredNorm(p - foot(t, p).point));
+            }
+        }
+    });
+    return std::sqrt(nearest);
 }
 
 

@@ -11,17 +11,6 @@ namespace
 /// An edge or corner counts when no direction into the wall brings it nearer than this cosine.
 constexpr double sideways = 1e-9;
 
-double squaredDistanceToBox(const Vector3& p, const Vector3& low, const Vector3& high)
-{
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis)
-    {
-        const double outside = std::max({low[axis] - p[axis], p[axis] - high[axis], 0.0});
-        sum += outside*outside;
-    }
-    return sum;
-}
-
 } // namespace
 
 
@@ -163,23 +152,7 @@ bool Walls::near(const Vector3& from, const Vector3& to, double reach) const
 void Walls::collectBox(const Vector3& low, const Vector3& high, std::vector<Image>& found) const
 {
     if (triangles_.empty()) return;
-    if (!box_.any()) return collectImage(low, high, {}, found);
-
-    const Vector3 middle = 0.5*(low + high), inside = box_.wrapped(middle);
-    const Vector3 home = middle - inside;
-    int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
-    for (int axis = 0; axis < 3; ++axis)
-    {
-        if (!box_.periodic[axis]) continue;
-        const double half = 0.5*(high[axis] - low[axis]);
-        if (inside[axis] - half <= box_.low[axis]) first[axis] = -1;
-        if (inside[axis] + half >= box_.high[axis]) last[axis] = 1;
-    }
-    const Vector3 length = box_.high - box_.low;
-    for (int i = first[0]; i <= last[0]; ++i)
-        for (int j = first[1]; j <= last[1]; ++j)
-            for (int k = first[2]; k <= last[2]; ++k)
-                collectImage(low, high, home + Vector3{i*length.x, j*length.y, k*length.z}, found);
+    forImages(low, high, [&](const Vector3& shift) { collectImage(low, high, shift, found); });
 }
 
 

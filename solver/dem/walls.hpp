@@ -2,6 +2,7 @@
 
 #include "PeriodicBox.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -149,6 +150,38 @@ private:
         return (std::uint64_t(1) << 32) + triangles_[triangle].plane;
     }
     double distanceFromGrid(const Vector3& position) const;
+    static double squaredDistanceToBox(const Vector3& p, const Vector3& low, const Vector3& high)
+    {
+        double sum = 0;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            const double outside = std::max({low[axis] - p[axis], p[axis] - high[axis], 0.0});
+            sum += outside*outside;
+        }
+        return sum;
+    }
+
+    /// Calls visit(shift) for every periodic image of the walls that can reach into a box.
+    template<class Visit>
+    void forImages(const Vector3& low, const Vector3& high, const Visit& visit) const
+    {
+        if (!box_.any()) return visit(Vector3{});
+        const Vector3 middle = 0.5*(low + high), inside = box_.wrapped(middle);
+        const Vector3 home = middle - inside, length = box_.high - box_.low;
+        int first[3] = {0, 0, 0}, last[3] = {0, 0, 0};
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            if (!box_.periodic[axis]) continue;
+            const double half = 0.5*(high[axis] - low[axis]);
+            if (inside[axis] - half <= box_.low[axis]) first[axis] = -1;
+            if (inside[axis] + half >= box_.high[axis]) last[axis] = 1;
+        }
+        for (int i = first[0]; i <= last[0]; ++i)
+            for (int j = first[1]; j <= last[1]; ++j)
+                for (int k = first[2]; k <= last[2]; ++k)
+                    visit(home + Vector3{i*length.x, j*length.y, k*length.z});
+    }
+
     void collectBox(const Vector3& low, const Vector3& high, std::vector<Image>& found) const;
     void collectImage(const Vector3& low, const Vector3& high, const Vector3& shift,
                       std::vector<Image>& found) const;
