@@ -144,7 +144,7 @@ def _channel(chapter: Chapter, folder: Path, number: int) -> None:
     profile = np.zeros((cells**2, 3))
     profile[:, 2] = np.tile(6 * velocity * across * (1 - across), cells)
     with FoamFile(case / "0/U.air") as field:
-        field["internalField"] = profile
+        field["internalField"] = profile.tolist()
     largest = 1.05 * plug_flow_cut_size(1.5 * velocity, 2650, GAS, gravity=GRAVITY)
     _feed(case, 2650, 0.1 * largest, largest, patch="south", massFlowRate=1.0, particles=number)
     run_scene(case)

@@ -140,7 +140,7 @@ def _hindered(chapter: Chapter, folder: Path) -> None:
         def surplus(slip: float) -> float:
             reynolds = void * slip * diameter * gas.density / gas.viscosity
             drag = LAWS["Schiller-Naumann"](reynolds, 1) * void**-2.65
-            return 0.75 * drag * gas.density * slip**2 / diameter - weight
+            return float(0.75 * drag * gas.density * slip**2 / diameter - weight)
 
         return float(brentq(surplus, 1e-9, 100))
 

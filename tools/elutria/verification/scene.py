@@ -108,7 +108,8 @@ def change(case: Path, settings: Mapping[str, Any]) -> None:
     for name, value in settings.items():
         file, _, entry = name.partition(":")
         with FoamFile(case / file) as dictionary:
-            dictionary[tuple(entry.split("/"))] = value
+            first, *rest = entry.split("/")
+            dictionary[(first, *rest)] = value
 
 
 def add_feed(case: Path, feed: Mapping[str, Any]) -> None:

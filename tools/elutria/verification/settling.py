@@ -201,7 +201,7 @@ def _laws(chapter: Chapter, folder: Path) -> None:
     sizes = np.geomspace(20e-6, 5e-3, 9)
     start = Particles.of(np.full((9, 3), 0.05), diameter=sizes)
     for force, law in FORCES.items():
-        forces = {force: {}, "gravity": {}}
+        forces: dict[str, Any] = {force: {}, "gravity": {}}
         found = settle(folder / force, start, 0.1, [40.0], **{f"{MODELS}/particleForces": forces})[
             40.0
         ]
