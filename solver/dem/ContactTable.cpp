@@ -11,7 +11,7 @@ namespace elutria::dem
 void ContactTable::Arrays::makeRoom(std::size_t more)
 {
     if (count + more <= first.size()) return;
-    const std::size_t size = count + more + count/4;
+    const std::size_t size = count + more + count/8;
     first.resize(size), second.resize(size), x.resize(size), y.resize(size), z.resize(size);
     touching.resize(size);
 }
@@ -112,7 +112,9 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
 {
     Chunk& chunk = chunks_[c];
     const Arrays& old = chunk.current;
-    Arrays& next = chunk.next;
+    // the buffers of the last chunk go round: each thread holds one set more than there are chunks
+    static thread_local Arrays next;
+    static thread_local std::vector<Pair> later;
     const auto begin = std::uint32_t(chunkBegin(c)), end = std::uint32_t(chunkEnd(c));
     const Row* rows = cloud.rows.data();
     const PeriodicBox& box = cloud.box;
@@ -127,7 +129,7 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
     };
     const std::uint32_t last = list.begin[end] - 1;
     next.count = 0;
-    chunk.later.clear();
+    later.clear();
     OldContacts inside(old, 0, old.inside), across(old, old.inside, old.count);
     for (std::uint32_t i = begin; i < end; ++i)
     {
@@ -137,15 +139,15 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
             const std::uint32_t j = list.second[k];
             __builtin_prefetch(rows + list.second[std::min(k + 16, last)]);
             if (j < end) choose(inside, i, j);
-            else chunk.later.push_back({i, j});
+            else later.push_back({i, j});
         }
     }
     next.inside = next.count;
-    next.makeRoom(chunk.later.size());
-    for (const Pair& pair : chunk.later) choose(across, pair.first, pair.second);
+    next.makeRoom(later.size());
+    for (const Pair& pair : later) choose(across, pair.first, pair.second);
     next.makeRoom(contactBlock);
     std::fill_n(next.touching.begin() + std::ptrdiff_t(next.count), contactBlock, 0);
-    std::swap(chunk.current, chunk.next);
+    std::swap(chunk.current, next);
     chunk.across.resize(chunk.current.count - chunk.current.inside);
 }
 
@@ -349,7 +351,7 @@ std::size_t ContactTable::bytes() const
     std::size_t sum = 0;
     for (const Chunk& c : chunks_)
     {
-        sum += c.current.bytes() + c.next.bytes() + c.across.capacity()*sizeof(Contribution)
+        sum += c.current.bytes() + c.across.capacity()*sizeof(Contribution)
                + c.incoming.capacity()*sizeof(Incoming);
     }
     return sum;

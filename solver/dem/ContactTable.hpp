@@ -89,8 +89,7 @@ private:
     };
     struct Chunk
     {
-        Arrays current, next;
-        std::vector<Pair> later;            // candidates across, while refreshing
+        Arrays current;
         std::vector<Contribution> across;
         std::vector<Incoming> incoming;
         float largestOverlap = 0;
