@@ -15,9 +15,21 @@ from elutria.started import started_in
 COLUMN = Path(__file__).resolve().parents[1] / "cases/column"
 
 
-def test_a_plain_folder_leaves_the_command_alone(tmp_path: Path) -> None:
+def test_a_plain_folder_leaves_the_command_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PWD", str(tmp_path))
     with started_in(tmp_path, ["blockMesh"]) as command:
         assert command == ["blockMesh"]
+
+
+def test_a_start_from_a_folder_with_spaces_is_not_told_to_openfoam(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PWD", "/a folder/with spaces")
+    with started_in(tmp_path, ["printenv", "PWD"]) as command:
+        seen = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert seen.stdout == f"{tmp_path}\n"
 
 
 @pytest.mark.parametrize("name", ["two words", "it's", 'say "yes"', "tab\there"])

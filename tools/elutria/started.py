@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -15,14 +16,16 @@ _REFUSED = re.compile(r"[\s\"']")
 def started_in(folder: Path, command: list[str]) -> Iterator[list[str]]:
     """Yield `command` so that OpenFOAM, started with it in `folder`, takes the folder's name.
 
-    OpenFOAM refuses white space and quotes in a path, and asks PWD where it is. Such a folder gets
-    a link of a plain name for as long as the block lasts; any other leaves `command` as it is.
+    OpenFOAM refuses white space and quotes in a path, and reads PWD whether it is right or not.
+    Such a folder gets a link of a plain name for as long as the block lasts.
     """
     path = folder.resolve()
-    if not _REFUSED.search(str(path)):
+    if _REFUSED.search(str(path)):
+        with tempfile.TemporaryDirectory(prefix="elutria-") as place:
+            link = Path(place) / "case"
+            link.symlink_to(path, target_is_directory=True)
+            yield ["env", f"--chdir={link}", f"PWD={link}", *command]
+    elif _REFUSED.search(os.environ.get("PWD", "")):
+        yield ["env", f"PWD={path}", *command]
+    else:
         yield command
-        return
-    with tempfile.TemporaryDirectory(prefix="elutria-") as place:
-        link = Path(place) / "case"
-        link.symlink_to(path, target_is_directory=True)
-        yield ["env", f"--chdir={link}", f"PWD={link}", *command]

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from elutria.errors import ElutriaError, InputError
 from elutria.files import write_csv, write_json
 from elutria.plots import save
+from elutria.started import started_in
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,8 @@ def paired(
 def run_program(arguments: Sequence[str | Path], folder: Path | None = None) -> str:
     """Output of a program that must succeed. Raises ElutriaError with its last line else."""
     try:
-        done = subprocess.run(
-            [str(a) for a in arguments], cwd=folder, capture_output=True, text=True, check=False
-        )
+        with started_in(folder or Path.cwd(), [str(a) for a in arguments]) as command:
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     except OSError as error:
         raise ElutriaError(f"{arguments[0]}: cannot be run ({error.strerror})") from error
     if done.returncode != 0:

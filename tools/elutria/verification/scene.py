@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from elutria.bench.common import project_root, run_program
 from elutria.errors import ElutriaError
+from elutria.started import started_in
 
 Array = NDArray[np.float64]
 
@@ -188,7 +189,8 @@ def run_scene(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> s
         for file in case.glob("processor*/0/uniform/lagrangian/*/cloudProperties"):
             change(file.parent, {f"{file.name}:geometry": "coordinates"})
         command = ["mpirun", "-np", str(processors), solver, "-parallel"]
-    done = subprocess.run(command, cwd=case, capture_output=True, text=True, check=False)
+    with started_in(case, command) as placed:
+        done = subprocess.run(placed, cwd=case, capture_output=True, text=True, check=False)
     (case / f"log.{solver}").write_text(done.stdout + done.stderr)
     if done.returncode != 0:
         reason = (done.stdout + done.stderr).rpartition("FOAM FATAL")[2].strip().splitlines()
