@@ -1,0 +1,141 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    ElutriaCloud's side of the exchange with the gas.
+
+\*---------------------------------------------------------------------------*/
+
+#include "ElutriaCloud.H"
+#include "foamVersion.H"
+#include "zeroGradientFvPatchFields.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+scalar ElutriaCloud::response(const label k) const
+{
+    return -std::expm1(-dragRates_[k]*window_);
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+ElutriaCloud::GasExchange ElutriaCloud::exchange() const
+{
+    GasExchange gas
+    {
+        volVectorField
+        (
+            passingField("particleForce"), mesh(),
+            dimensionedVector(dimForce/dimVolume, Zero),
+            zeroGradientFvPatchVectorField::typeName
+        ),
+        volScalarField
+        (
+            passingField("particleCoefficient"), mesh(),
+            dimensionedScalar(dimDensity/dimTime, Zero),
+            zeroGradientFvPatchScalarField::typeName
+        )
+    };
+    if (!solution().coupled() || window_ <= 0)
+    {
+        return gas;
+    }
+
+    vectorField& force = gas.force.primitiveFieldRef();
+    scalarField& coefficient = gas.coefficient.primitiveFieldRef();
+    if (stockMotion_)
+    {
+        force = UTrans().field();
+        coefficient = UCoeff().field();
+    }
+    else
+    {
+        force = impulse_;
+        label k = 0;
+        for (const parcelType& p : *this)
+        {
+            coefficient[p.cell()] += p.nParticle()*p.mass()*response(k++);
+        }
+    }
+
+    const scalarField Vw(mesh().V()*window_);
+    force /= Vw;
+    coefficient /= Vw;
+    kernel_.spread(gas.force);
+    kernel_.spread(gas.coefficient);
+    gas.force.correctBoundaryConditions();
+    gas.coefficient.correctBoundaryConditions();
+    return gas;
+}
+
+
+void ElutriaCloud::correct(const volVectorField& change)
+{
+    if (!stockMotion_ && solution().coupled())
+    {
+        volVectorField seen
+        (
+            passingField("gasChange"), mesh(),
+            dimensionedVector(dimVelocity, Zero),
+            zeroGradientFvPatchVectorField::typeName
+        );
+        seen.primitiveFieldRef() = change.primitiveField();
+        kernel_.spread(seen);
+
+        label k = 0;
+        for (parcelType& p : *this)
+        {
+            p.U() += response(k++)*seen[p.cell()];
+        }
+    }
+    drop();
+}
+
+
+void ElutriaCloud::drop()
+{
+    impulse_ = Zero;
+    window_ = 0;
+}
+
+
+const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
+{
+    scalarField& theta = theta_.primitiveFieldRef();
+    scalar largest = 0;
+
+    theta = 0;
+    for (const parcelType& p : *this)
+    {
+        theta[p.cell()] += p.nParticle()*p.volume();
+        largest = max(largest, p.d());
+    }
+    theta /= mesh().V();
+
+    reduce(largest, maxOp<scalar>());
+    kernel_.adapt(largest);
+    kernel_.spread(theta_);
+
+    excessVolume_ = 0;
+    forAll(theta, celli)
+    {
+        if (theta[celli] > maximum)
+        {
+            excessVolume_ += (theta[celli] - maximum)*mesh().V()[celli];
+            theta[celli] = maximum;
+        }
+    }
+    reduce(excessVolume_, sumOp<scalar>());
+    theta_.correctBoundaryConditions();
+    return theta_;
+}
+
+
+} // End namespace Foam

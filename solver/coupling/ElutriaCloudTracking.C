@@ -1,0 +1,225 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    ElutriaCloud's steps 4 and 5: the parcels' way through the mesh.
+
+\*---------------------------------------------------------------------------*/
+
+#include "ElutriaCloud.H"
+#include "engineVectors.H"
+#include "foamVersion.H"
+#include "ParcelTransfer.H"
+#include "meshTools.H"
+#include "wallPolyPatch.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+List<ElutriaCloud::Flight> ElutriaCloud::flights
+(
+    const List<vector>& starts,
+    const scalar dt
+) const
+{
+    const elutria::dem::Particles& all = particles_;
+    const elutria::dem::PeriodicBox box =
+        contacts_ ? contacts_->engine().settings().box
+      : elutria::dem::PeriodicBox();
+
+    List<Flight> flights(starts.size());
+    size_t i = 0;
+    for (const parcelType& p : *this)
+    {
+        Flight& f = flights[i];
+        f.displacement = toFoam
+        (
+            box.shortest(all.position[i] - toEngine(starts[i]))
+        );
+        f.start = p.U();
+        f.end = toFoam(all.velocity[i]);
+        f.spin = toFoam(all.spin[i]);
+        f.impulse =
+            effectiveMass_[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
+        f.dragRate = all.dragRate[i];
+
+        meshTools::constrainDirection
+        (
+            mesh(), mesh().solutionD(), f.displacement
+        );
+        meshTools::constrainDirection(mesh(), mesh().solutionD(), f.end);
+        ++i;
+    }
+    return flights;
+}
+
+
+void ElutriaCloud::deposit(const parcelType& p, const Flight& flight)
+{
+    impulse_[p.cell()] -= p.nParticle()*flight.impulse;
+}
+
+
+void ElutriaCloud::meetPatch
+(
+    parcelType& p,
+    Flight& flight,
+    trackingData& td,
+    const scalar dt
+)
+{
+    const scalar done = p.stepFraction();
+    const vector arrival(flight.start + done*(flight.end - flight.start));
+    const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
+
+    if (contacts_ && isA<wallPolyPatch>(patch))
+    {
+        // The engine has dealt with the wall; the chord of a curved path cuts
+        // a corner. Go where the path ends, or along the wall towards it.
+        const point target(p.position() + (1 - done)*flight.displacement);
+        const label celli = mesh().findCell(target);
+        if (celli >= 0)
+        {
+            p.relocate(target, celli);
+            p.age() += (1 - done)*dt;
+            p.stepFraction() = 1;
+        }
+        else
+        {
+            const vector n(p.normal());
+            flight.displacement -= (flight.displacement & n)*n;
+            p.hitFace(flight.displacement, *this, td);
+        }
+        return;
+    }
+
+    p.U() = arrival;
+    p.hitFace(flight.displacement, *this, td);
+
+    if (td.keepParticle && p.U() != arrival)
+    {
+        // Turned by a rebound or a mirror: what the forces had still to add
+        // in this step stays
+        flight.end = p.U() + (flight.end - arrival);
+        flight.displacement = 0.5*(p.U() + flight.end)*dt;
+        flight.start = flight.end;
+    }
+}
+
+
+void ElutriaCloud::trackParcel
+(
+    parcelType& p,
+    Flight& flight,
+    trackingData& td,
+    const scalar dt
+)
+{
+    td.switchProcessor = false;
+    td.keepParticle = true;
+
+    // A parcel that slides along walls without end is left where it is
+    label attempts = 0;
+
+    while
+    (
+        td.keepParticle && !td.switchProcessor && p.stepFraction() < 1
+     && p.active()
+    )
+    {
+        const point from(p.position());
+        const scalar before = p.stepFraction();
+        const scalar f = 1 - before;
+
+        p.trackToFace
+        (
+            f*flight.displacement - p.deviationFromMeshCentre(), f
+        );
+        const scalar spent = (p.stepFraction() - before)*dt;
+        p.age() += spent;
+
+        functions().postMove(p, spent, from, td.keepParticle);
+        if (!p.onFace())
+        {
+            continue;
+        }
+        functions().postFace(p, td.keepParticle);
+
+        if (p.onBoundaryFace())
+        {
+            if (spent < SMALL*dt && ++attempts > 20)
+            {
+                p.age() += f*dt;
+                p.stepFraction() = 1;
+            }
+            else
+            {
+                meetPatch(p, flight, td, dt);
+            }
+        }
+        else
+        {
+            p.hitFace(flight.displacement, *this, td);
+        }
+    }
+
+    if (td.keepParticle && !td.switchProcessor)
+    {
+        p.U() = flight.end;
+        p.angularMomentum() = p.momentOfInertia()*flight.spin;
+    }
+}
+
+
+void ElutriaCloud::track(trackingData& td, const scalar dt)
+{
+    // Parcels still to be tracked, with their flights: first all of the
+    // cloud's, then those that arrive from other processors
+    List<vector> starts(this->size());
+    label k = 0;
+    for (parcelType& p : *this)
+    {
+        starts[k++] = p.position();
+        p.stepFraction() = 0;
+    }
+    List<Flight> flightOf(flights(starts, dt));
+    IDLList<parcelType> moving;
+    moving.transfer(*this);
+
+    dragRates_.clear();
+    ParcelTransfer<parcelType, Flight> transfer(mesh());
+
+    do
+    {
+        k = 0;
+        for (parcelType& p : moving)
+        {
+            Flight& flight = flightOf[k++];
+            trackParcel(p, flight, td, dt);
+
+            if (!td.keepParticle)
+            {
+                deposit(p, flight);
+                delete moving.remove(&p);
+            }
+            else if (td.switchProcessor)
+            {
+                transfer.add(moving.remove(&p), flight);
+            }
+            else
+            {
+                deposit(p, flight);
+                dragRates_.append(flight.dragRate);
+                addParticle(moving.remove(&p));
+            }
+        }
+    } while (transfer.exchange(moving, flightOf, td));
+}
+
+
+} // End namespace Foam
