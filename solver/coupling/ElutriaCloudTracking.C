@@ -85,7 +85,9 @@ void ElutriaCloud::meetPatch
         const label celli = mesh().findCell(target);
         if (celli >= 0)
         {
-            p.relocate(target, celli);
+            // Off the cell's faces by rounding, so that it is found again
+            const point inside(target + 1e-6*(mesh().C()[celli] - target));
+            p.relocate(inside, celli);
             p.age() += (1 - done)*dt;
             p.stepFraction() = 1;
         }
