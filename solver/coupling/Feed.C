@@ -11,9 +11,7 @@
 #include "mathematicalConstants.H"
 #include "wordRes.H"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace Foam
 {
@@ -41,55 +39,6 @@ scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 scalar readPositive(const dictionary& dict, const word& entry)
 {
     return readAtLeast(dict, entry, VSMALL);
-}
-
-
-//- Sort places by their coordinates: the same order for any decomposition
-template<class Place, class Key>
-void sortByPosition(List<Place>& places, const Key& key)
-{
-    std::sort
-    (
-        places.begin(), places.end(),
-        [&](const Place& a, const Place& b)
-        {
-            const point p = key(a), q = key(b);
-            return std::tie(p.x(), p.y(), p.z()) < std::tie(q.x(), q.y(), q.z());
-        }
-    );
-}
-
-
-vector areaNormal(const triPoints& t)
-{
-    return 0.5*((t[1] - t[0]) ^ (t[2] - t[0]));
-}
-
-
-scalarList cumulativeShares(const scalarList& weights)
-{
-    scalarList shares(weights.size());
-    std::partial_sum(weights.cbegin(), weights.cend(), shares.begin());
-    for (scalar& share : shares)
-    {
-        share /= shares.last();
-    }
-    return shares;
-}
-
-
-//- Index of the class in which u lies
-label select(const scalarList& cumulative, const scalar u)
-{
-    return min
-    (
-        label
-        (
-            std::upper_bound(cumulative.cbegin(), cumulative.cend(), u)
-          - cumulative.cbegin()
-        ),
-        cumulative.size() - 1
-    );
 }
 
 } // End anonymous namespace
@@ -181,125 +130,6 @@ void Feed::readOutlets()
             productOfPatch_[patchi] = product;
         }
     }
-}
-
-
-void Feed::collectPatch(const polyPatch& patch)
-{
-    List<List<triPoints>> ofProcessor(Pstream::nProcs());
-    DynamicList<triPoints> own;
-
-    for (const face& f : patch)
-    {
-        // A fan around the first point is enough for a feed patch
-        for (label i = 1; i < f.size() - 1; ++i)
-        {
-            const pointField& p = mesh_.points();
-            own.append(triPoints(p[f[0]], p[f[i]], p[f[i+1]]));
-        }
-    }
-    ofProcessor[Pstream::myProcNo()] = own;
-    Pstream::gatherList(ofProcessor);
-    Pstream::scatterList(ofProcessor);
-
-    for (const List<triPoints>& list : ofProcessor)
-    {
-        triangles_.append(list);
-    }
-    sortByPosition
-    (
-        triangles_,
-        [](const triPoints& t) { return (t[0] + t[1] + t[2])/3.0; }
-    );
-
-    scalarList areas(triangles_.size());
-    forAll(areas, i)
-    {
-        areas[i] = mag(areaNormal(triangles_[i]));
-    }
-    cumulativeShare_ = cumulativeShares(areas);
-}
-
-
-void Feed::collectZone(const labelUList& cells)
-{
-    typedef Tuple2<point, scalar> Place;
-    List<List<Place>> ofProcessor(Pstream::nProcs());
-
-    for (const label celli : cells)
-    {
-        ofProcessor[Pstream::myProcNo()].append
-        (
-            Place(mesh_.C()[celli], mesh_.V()[celli])
-        );
-    }
-    Pstream::gatherList(ofProcessor);
-    Pstream::scatterList(ofProcessor);
-
-    List<Place> places;
-    for (const List<Place>& list : ofProcessor)
-    {
-        places.append(list);
-    }
-    sortByPosition(places, [](const Place& p) { return p.first(); });
-
-    centres_.resize(places.size());
-    extents_.resize(places.size());
-    scalarList volumes(places.size());
-    forAll(places, i)
-    {
-        centres_[i] = places[i].first();
-        volumes[i] = places[i].second();
-        extents_[i] = cbrt(volumes[i]);
-    }
-    cumulativeShare_ = cumulativeShares(volumes);
-}
-
-
-void Feed::readEntrance()
-{
-    if (found("patch") == found("zone"))
-    {
-        FatalIOErrorInFunction(*this)
-            << "give either patch or zone: where the feed enters"
-            << exit(FatalIOError);
-    }
-
-    if (found("patch"))
-    {
-        const word name(get<word>("patch"));
-        const label patchi = mesh_.boundaryMesh().findPatchID(name);
-        if (patchi < 0)
-        {
-            FatalIOErrorInFunction(*this)
-                << "patch is " << name << ", allowed: "
-                << mesh_.boundaryMesh().names() << exit(FatalIOError);
-        }
-        collectPatch(mesh_.boundaryMesh()[patchi]);
-    }
-    else
-    {
-        const word name(get<word>("zone"));
-        const label zonei = mesh_.cellZones().findZoneID(name);
-        if (returnReduce(zonei, maxOp<label>()) < 0)
-        {
-            FatalIOErrorInFunction(*this)
-                << "zone is " << name << ", allowed: "
-                << mesh_.cellZones().names() << exit(FatalIOError);
-        }
-        collectZone
-        (
-            zonei < 0 ? labelUList() : labelUList(mesh_.cellZones()[zonei])
-        );
-    }
-
-    if (cumulativeShare_.empty())
-    {
-        FatalIOErrorInFunction(*this)
-            << "the feed's patch or zone has no faces or cells"
-            << exit(FatalIOError);
-    }
-    velocity_ = getOrDefault<vector>("velocity", Zero);
 }
 
 
@@ -449,6 +279,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
         )
     ),
     mesh_(mesh),
+    entrance_(mesh, *this),
     start_(0),
     duration_(0),
     drainTime_(GREAT),
@@ -460,7 +291,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
 {
     readMaterials();
     readOutlets();
-    readEntrance();
+    velocity_ = getOrDefault<vector>("velocity", Zero);
     readSchedule(phaseName);
 }
 
@@ -523,24 +354,11 @@ Feed::Particle Feed::particle(const label i) const
     p.diameter = diameter(i, p.material);
     p.number = number(i);
 
-    const label k = select(cumulativeShare_, random(i, 3));
-    const scalar r = random(i, 4), s = random(i, 5), t = random(i, 6);
-
-    if (triangles_.size())
-    {
-        // Uniform over the triangle, a radius inside the domain
-        const triPoints& tri = triangles_[k];
-        const scalar root = std::sqrt(r);
-        const vector outward = normalised(areaNormal(tri));
-        p.position =
-            (1 - root)*tri[0] + root*(1 - s)*tri[1] + root*s*tri[2]
-          - 0.5*(1 + 1e-6)*p.diameter*outward;
-    }
-    else
-    {
-        const vector within(r - 0.5, s - 0.5, t - 0.5);
-        p.position = centres_[k] + extents_[k]*within;
-    }
+    p.position = entrance_.place
+    (
+        {random(i, 3), random(i, 4), random(i, 5), random(i, 6)},
+        0.5*p.diameter
+    );
     return p;
 }
 
