@@ -80,7 +80,7 @@ label CellListCollision<CloudType>::nSubCycles() const
     }
 
     elutria::dem::Particles pair = particles();
-    scalar limit = engine_->stepLimit(pair, 2*fastest);
+    scalar limit = engine_->engine().stepLimit(pair, 2*fastest);
     reduce(limit, minOp<scalar>());
     return max(label(1), label(ceil(dt/limit)));
 }
@@ -99,7 +99,7 @@ void CellListCollision<CloudType>::collide()
         [&](elutria::dem::Particles& everyone)
         {
             elutria::dem::VectorArray force, torque;
-            engine_->contactForces(everyone, dt, force, torque);
+            engine_->engine().contactForces(everyone, dt, force, torque);
             std::swap(everyone.velocity, force);
             std::swap(everyone.spin, torque);
         }

@@ -235,6 +235,7 @@ void ElutriaCloud::advanceParticles(const scalar dt)
 {
     if (contacts_)
     {
+        string trouble;
         ParticleExchange::onMaster
         (
             particles_,
@@ -242,14 +243,15 @@ void ElutriaCloud::advanceParticles(const scalar dt)
             {
                 try
                 {
-                    report_ = contacts_->engine().advance(everyone, dt);
+                    report_ = contacts_->checkedEngine().advance
+                    (
+                        everyone, dt, retakes_
+                    );
                 }
                 catch (const std::exception& error)
                 {
-                    FatalErrorInFunction
-                        << "the particles' motion failed at time "
-                        << time().timeName() << " s: " << error.what()
-                        << exit(FatalError);
+                    trouble = error.what();
+                    return;
                 }
                 for (const std::string& warning : report_.warnings)
                 {
@@ -257,6 +259,15 @@ void ElutriaCloud::advanceParticles(const scalar dt)
                 }
             }
         );
+        elutriaBroadcast(trouble);
+        if (!trouble.empty())
+        {
+            throw UnsoundStep
+            (
+                "the particles' motion failed at time " + time().timeName()
+              + " s: " + trouble
+            );
+        }
         return;
     }
 
@@ -299,6 +310,7 @@ ElutriaCloud::ElutriaCloud
     stockMotion_(false),
     impulse_(mesh().nCells(), Zero),
     window_(0),
+    retakes_(0),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     theta_
     (
@@ -381,6 +393,23 @@ bool ElutriaCloud::drained(const Count& count) const
         feed_
      && time().value() > feed_->end()
      && (count.inside == 0 || time().value() > feed_->drained());
+}
+
+
+void ElutriaCloud::takeBack()
+{
+    for (parcelType& p : *this)
+    {
+        if
+        (
+            p.origProc() == Feed::feedOrigin
+         && p.origId() >= feed_->fedUntil(time().value())
+        )
+        {
+            deleteParticle(p);
+        }
+    }
+    drop();
 }
 
 

@@ -186,7 +186,8 @@ GasPhase::GasPhase
     turbulence_(nullptr),
     pRefCell_(0),
     pRefValue_(0),
-    cumulativeContinuityError_(0)
+    cumulativeContinuityError_(0),
+    extraSteps_(0)
 {
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
@@ -211,18 +212,25 @@ void GasPhase::correctTransport()
 }
 
 
-void GasPhase::setSolidFraction(const volScalarField& solid)
+void GasPhase::setVoidFraction(const volScalarField& fraction)
 {
-    alpha_ = 1.0 - solid;
+    alpha_ = fraction;
     alpha_.correctBoundaryConditions();
     alphaf_ = fvc::interpolate(alpha_);
     alphaPhi_ = alphaf_*phi_;
 }
 
 
-tmp<volVectorField> GasPhase::solve
+void GasPhase::setSolidFraction(const volScalarField& solid)
+{
+    setVoidFraction((1.0 - solid)());
+}
+
+
+void GasPhase::solve
 (
-    const ElutriaCloud::GasExchange& particles,
+    const volVectorField& force,
+    const volScalarField& coefficient,
     const scalar dt
 )
 {
@@ -230,17 +238,9 @@ tmp<volVectorField> GasPhase::solve
     const scalar runStep = runTime.deltaTValue();
     runTime.setDeltaT(dt, false);
 
-    const volVectorField before("before", U_);
-
-    // The explicit part at the velocity the particles saw
-    const volVectorField force
-    (
-        (particles.force + particles.coefficient*U_)/rho_
-    );
-
     while (pimple_.loop())
     {
-        tmp<fvVectorMatrix> equation(momentum(particles.coefficient));
+        tmp<fvVectorMatrix> equation(momentum(coefficient));
         fvVectorMatrix& UEqn = equation.ref();
         UEqn.relax();
 
@@ -279,48 +279,6 @@ tmp<volVectorField> GasPhase::solve
     }
     reportContinuity();
     runTime.setDeltaT(runStep, false);
-
-    return U_ - before;
-}
-
-
-void GasPhase::converge
-(
-    const ElutriaCloud::GasExchange& none,
-    const scalar courant,
-    const scalar tolerance
-)
-{
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar start = runTime.value();
-    const label index = runTime.timeIndex();
-    const scalar runStep = runTime.deltaTValue();
-    const scalar through = throughTime();
-    if (through >= GREAT)
-    {
-        return;
-    }
-
-    // Ten passes of the gas are enough where it settles at all
-    scalar change = GREAT, passed = 0;
-    label steps = 0;
-    while (change > tolerance && passed < 10*through)
-    {
-        const scalar dt = min(courant/courantRate(), through);
-        runTime.setTime(start, index + ++steps);
-        runTime.setDeltaT(dt, false);
-
-        change = relative(solve(none, dt)())*through/dt;
-        check();
-        passed += dt;
-    }
-    runTime.setDeltaT(runStep, false);
-    runTime.setTime(start, index);
-
-    Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
-        << " passes; change per pass " << change
-        << (change > tolerance ? " (not below " : " (below ") << tolerance
-        << ")" << endl;
 }
 
 
@@ -361,44 +319,6 @@ scalar GasPhase::meanSpeed() const
 scalar GasPhase::meanDensity() const
 {
     return gAverage(rho_.primitiveField());
-}
-
-
-void GasPhase::check() const
-{
-    scalar worst = 0;
-    label cell = -1;
-    forAll(U_, celli)
-    {
-        const scalar speed = mag(U_[celli]);
-        if (!(speed < 1e4) || !(mag(p_[celli]) < GREAT))
-        {
-            worst = speed;
-            cell = celli;
-            break;
-        }
-    }
-
-    label failing = cell < 0 ? Pstream::nProcs() : Pstream::myProcNo();
-    reduce(failing, minOp<label>());
-    if (failing == Pstream::nProcs())
-    {
-        return;
-    }
-
-    point place(Zero);
-    if (failing == Pstream::myProcNo())
-    {
-        place = mesh_.C()[cell];
-    }
-    reduce(place, sumOp<vector>());
-    reduce(cell, maxOp<label>());
-    reduce(worst, maxOp<scalar>());
-    FatalErrorInFunction
-        << "the gas diverged at time " << mesh_.time().timeName()
-        << " s in cell " << cell << " at " << place << " (speed " << worst
-        << " m/s); likely causes: a time step too large (lower maxCo or"
-        << " deltaT), or a void fraction near its minimum" << exit(FatalError);
 }
 
 

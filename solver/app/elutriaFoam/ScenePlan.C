@@ -97,6 +97,13 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.005);
     courant_ = readPositive(dict, "gasCourant", 5);
+    retakes_ = dict.getOrDefault<label>("retakes", 5);
+    if (retakes_ < 0)
+    {
+        FatalIOErrorInFunction(dict)
+            << "retakes is " << retakes_ << ", allowed: >= 0"
+            << exit(FatalIOError);
+    }
 }
 
 

@@ -17,6 +17,7 @@ Description
 
 #include "GasPhase.H"
 #include "ScenePlan.H"
+#include "ending.H"
 #include "foamVersion.H"
 #include "sigFpe.H"
 
@@ -46,9 +47,40 @@ void reportCount(const Time& runTime, const ElutriaCloud& cloud,
 }
 
 
+//- Write the state before a step that cannot be taken, to start again from
+void writeLastSound(Time& runTime, ElutriaCloud& cloud)
+{
+    cloud.writeState();
+    runTime.writeNow();
+    Info<< "elutria: last sound state written, time " << runTime.timeName()
+        << endl;
+    returnReduce(true, andOp<bool>());      // all have written
+}
+
+
+//- The particles' part of a step
+void moveParticles(Time& runTime, ElutriaCloud& cloud)
+{
+    try
+    {
+        cloud.evolve();
+    }
+    catch (const UnsoundStep&)
+    {
+        runTime.setTime
+        (
+            runTime.value() - runTime.deltaTValue(), runTime.timeIndex() - 1
+        );
+        cloud.takeBack();
+        writeLastSound(runTime, cloud);
+        throw;
+    }
+}
+
+
 //- Bring the gas up to the particles' time, where it needs to be solved
-void settleGas(GasPhase& gas, ElutriaCloud& cloud, ScenePlan& plan,
-    const scalar largestSolidFraction)
+void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
+    ScenePlan& plan, const scalar largestSolidFraction)
 {
     gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
     if (cloud.excessVolume() > 0)
@@ -68,35 +100,34 @@ void settleGas(GasPhase& gas, ElutriaCloud& cloud, ScenePlan& plan,
     }
 
     gas.correctTransport();
-    const volVectorField change(gas.solve(exchange, cloud.window()));
-    gas.check();
-    cloud.correct(change);
-    plan.gasSolved(exchange.force, gas.relative(change));
+    try
+    {
+        const volVectorField change
+        (
+            gas.advance
+            (
+                exchange, cloud.window(), plan.courant(), plan.retakes()
+            )
+        );
+        cloud.correct(change);
+        plan.gasSolved(exchange.force, gas.relative(change));
+    }
+    catch (const UnsoundStep&)
+    {
+        cloud.drop();
+        writeLastSound(runTime, cloud);
+        throw;
+    }
     plan.account(ScenePlan::partGas);
 }
 
-} // End anonymous namespace
 
-
-int main(int argc, char *argv[])
+//- From the case's files to the end of the run
+void run(const argList& args)
 {
-    argList::addNote
-    (
-        "Gas with a cloud of colliding particles, for air classification."
-        " Reads the case of DPMFoam, and constant/feed."
-    );
-    argList::addOption
-    (
-        "cloud",
-        "name",
-        "name of the cloud (default: kinematicCloud)"
-    );
-
-    #include "addCheckCaseOptions.H"
-    #include "setRootCaseLists.H"
     #include "createTime.H"
 
-    // Divergence is found and explained by GasPhase::check(), not by a trap
+    // Divergence is found by GasPhase::unsound(), not by a trap
     sigFpe::unset(false);
 
     #include "createMesh.H"
@@ -118,11 +149,17 @@ int main(int argc, char *argv[])
     gas.startTurbulence();
 
     ScenePlan plan(gas, runTime);
+    cloud.setRetakes(plan.retakes());
     if (plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0)
     {
-        gas.converge(cloud.exchange(), plan.courant(), 0.2*plan.tolerance());
+        gas.converge
+        (
+            cloud.exchange(), plan.courant(), 0.2*plan.tolerance(),
+            plan.retakes()
+        );
     }
 
+    ending::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
     while (runTime.run())
@@ -136,12 +173,12 @@ int main(int argc, char *argv[])
         ++runTime;
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
-        cloud.evolve();
+        moveParticles(runTime, cloud);
         plan.account(ScenePlan::partParticles);
 
         if (plan.gasDue(runTime, cloud.window()))
         {
-            settleGas(gas, cloud, plan, largestSolidFraction);
+            settleGas(runTime, gas, cloud, plan, largestSolidFraction);
         }
 
         const ElutriaCloud::Count count = cloud.count();
@@ -165,5 +202,26 @@ int main(int argc, char *argv[])
 
     plan.report(cloud);
     Info<< "elutria: finished" << endl;
-    return 0;
+}
+
+} // End anonymous namespace
+
+
+int main(int argc, char *argv[])
+{
+    argList::addNote
+    (
+        "Gas with a cloud of colliding particles, for air classification."
+        " Reads the case of DPMFoam, and constant/feed."
+    );
+    argList::addOption
+    (
+        "cloud",
+        "name",
+        "name of the cloud (default: kinematicCloud)"
+    );
+
+    #include "addCheckCaseOptions.H"
+    #include "setRootCaseLists.H"
+    return ending::guarded([&]() { run(args); });
 }

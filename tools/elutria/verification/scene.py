@@ -193,8 +193,8 @@ def run_scene(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> s
         done = subprocess.run(placed, cwd=case, capture_output=True, text=True, check=False)
     (case / f"log.{solver}").write_text(done.stdout + done.stderr)
     if done.returncode != 0:
-        reason = (done.stdout + done.stderr).rpartition("FOAM FATAL")[2].strip().splitlines()
-        said = " ".join(line.strip() for line in reason[1:4]) or f"exit code {done.returncode}"
+        reasons = re.findall(r"elutria: failed: (.*)", done.stdout)
+        said = reasons[-1] if reasons else f"exit code {done.returncode}"
         raise ElutriaError(f"{solver} failed in {case}: {said}")
     return done.stdout
 

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "Engine.hpp"
+
+#include <memory>
+#include <string>
+
+namespace elutria::dem
+{
+
+/// Moves particles as an Engine does, and checks each call's result: all values finite, and no more
+/// kinetic energy than the particles had, the forcing can have given them and the contacts can have
+/// held. A call that fails is made again from the state before it with half the sub-step, which is
+/// kept from then on.
+class CheckedEngine
+{
+public:
+    explicit CheckedEngine(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
+
+    /// As Engine::advance(). After `retakes` of them in vain throws std::runtime_error that says
+    /// which particle and why, with the particles and the contacts as they were before.
+    StepReport advance(Particles& particles, double duration, int retakes);
+
+    Engine& engine() { return *engine_; }
+    const Engine& engine() const { return *engine_; }
+
+private:
+    double energyAllowed(const Particles& before, const Particles& after, double duration) const;
+    std::string unsound(const Particles& before, const Particles& after, double duration) const;
+    void refine(const std::vector<ContactRecord>& history);
+
+    std::unique_ptr<Engine> engine_;
+    bool overlapKnown_ = false;     // of the contacts at the start of the next call
+    double overlap_ = 0;            // over the smaller radius
+};
+
+} // namespace elutria::dem

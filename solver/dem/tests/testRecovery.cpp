@@ -1,0 +1,113 @@
+#include "recovery.hpp"
+#include "scenes.hpp"
+
+#include <doctest/doctest.h>
+
+#include <random>
+#include <stdexcept>
+#include <string>
+
+using namespace scenes;
+
+TEST_SUITE_BEGIN("recovery");
+
+namespace
+{
+
+/// Spheres thrown together in a periodic box; `step` s is asked of the soft law.
+struct Crowd
+{
+    Settings settings;
+    ContactMaterials materials;
+    Particles particles;
+
+    explicit Crowd(double step)
+    {
+        settings.treatment = ContactTreatment::soft;
+        settings.step = step;
+        PairProperties hard;
+        hard.restitution = 1, hard.friction = 0;
+        materials = oneMaterial(hard);
+        const double side = 0.01, radius = 5e-4;
+        settings.box.low = {}, settings.box.high = {side, side, side};
+        for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
+        std::mt19937 random(3);
+        std::normal_distribution<double> speed(0, 0.3);
+        for (int i = 0; i < 6*6*6; ++i)
+        {
+            const Vector3 corner{double(i % 6), double(i/6 % 6), double(i/36)};
+            const std::size_t k =
+                addSphere(particles, (side/6)*(corner + Vector3{0.5, 0.5, 0.5}), radius, 2650);
+            particles.velocity.set(k, {speed(random), speed(random), speed(random)});
+        }
+    }
+
+    CheckedEngine engine() const
+    {
+        return CheckedEngine(std::make_unique<Engine>(settings, materials));
+    }
+};
+
+} // namespace
+
+TEST_CASE("a step far too large is taken again until it makes no energy")
+{
+    Crowd crowd(1e-4);     // a contact takes about 6e-5 s
+    Crowd unchecked = crowd;
+    const double before = kineticEnergy(crowd.particles);
+
+    Engine plain(unchecked.settings, unchecked.materials);
+    bool diverged = false;
+    try
+    {
+        for (int k = 0; k < 50; ++k) plain.advance(unchecked.particles, 2e-4);
+        diverged = kineticEnergy(unchecked.particles) > 10*before;
+    }
+    catch (const std::exception&) { diverged = true; }
+    CHECK(diverged);
+
+    CheckedEngine engine = crowd.engine();
+    for (int k = 0; k < 50; ++k) engine.advance(crowd.particles, 2e-4, 8);
+    CHECK(engine.engine().settings().step < crowd.settings.step);
+    CHECK(kineticEnergy(crowd.particles) < 10*before);
+}
+
+TEST_CASE("a sound step is the engine's own")
+{
+    Crowd crowd(0), plain = crowd;
+    CheckedEngine engine = crowd.engine();
+    Engine bare(plain.settings, plain.materials);
+    for (int k = 0; k < 5; ++k)
+    {
+        engine.advance(crowd.particles, 2e-4, 4);
+        bare.advance(plain.particles, 2e-4);
+    }
+    CHECK(engine.engine().settings().stepFraction == crowd.settings.stepFraction);
+    CHECK(crowd.particles.position.x == plain.particles.position.x);
+    CHECK(crowd.particles.velocity.z == plain.particles.velocity.z);
+}
+
+TEST_CASE("what stays unsound ends with the state before it")
+{
+    Crowd crowd(1e-4);
+    CheckedEngine engine = crowd.engine();
+    engine.advance(crowd.particles, 1e-6, 0);
+    Particles last = crowd.particles;
+    try
+    {
+        for (int k = 0; k < 100; ++k)
+        {
+            last = crowd.particles;
+            engine.advance(crowd.particles, 2e-4, 0);
+        }
+        FAIL("no step failed");
+    }
+    catch (const std::runtime_error& error)
+    {
+        CHECK(std::string(error.what()).find("likely causes") != std::string::npos);
+        CHECK(crowd.particles.position.x == last.position.x);
+        CHECK(crowd.particles.velocity.y == last.velocity.y);
+    }
+}
+
+TEST_SUITE_END();
