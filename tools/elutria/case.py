@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from elutria.dictionary import Dictionary, read_dictionary, read_list, set_entry
-from elutria.drag import GRAVITY, SINGLE_PARTICLE_LIMIT, Gas
+from elutria.drag import SINGLE_PARTICLE_LIMIT, Gas
 from elutria.errors import InputError, one_line, suggestion
 from elutria.feed import Feed, read_feed
 from elutria.files import writing_to
+from elutria.mesh import check_mesh
 
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
@@ -94,8 +95,6 @@ class Case:
 
     def gravity(self) -> float:
         """Magnitude of constant/g, m/s2."""
-        if not (self.path / "constant/g").is_file():
-            return GRAVITY
         entries = self.dictionary("constant/g")
         size = math.hypot(*entries.numbers("value", 3))
         if not 0 < size <= 1e4:
@@ -137,12 +136,31 @@ class Case:
         mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
         if (self.path / mesh).is_file():
             source, entries = mesh, read_list(self.path / mesh, self.path)
-        elif (self.path / plan).is_file() and not (self.path / "Allrun.pre").is_file():
+        elif ((self.path / plan).exists() or (self.path / plan).is_symlink()) and not (
+            self.path / "Allrun.pre"
+        ).is_file():
             source = plan
             entries = self.dictionary(plan, with_included=True).raw("boundary", [])
         else:
             return "", []
         return source, [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
+
+    def check_mesh(self) -> None:
+        """Raise InputError unless there is a plan of the mesh, or a mesh that is whole."""
+        if (self.path / "Allrun.pre").is_file():
+            return
+        plan, mesh = self.path / "system/blockMeshDict", self.path / "constant/polyMesh"
+        if plan.is_symlink() or plan.exists():
+            entries = self.dictionary("system/blockMeshDict", with_included=True)
+            for name in ("vertices", "blocks"):
+                if name not in entries:
+                    entries.raw(name, allowed="a list ( ... )")
+        elif mesh.is_dir():
+            check_mesh(mesh, f"{self.name}/constant/polyMesh")
+        else:
+            raise InputError(
+                f"{plan}: file not found; allowed: it, an Allrun.pre or a mesh in constant/polyMesh"
+            )
 
     def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
         """The settings of one run, checked to lie within the case."""
@@ -189,6 +207,7 @@ class Case:
         """Raise InputError when the case, with `settings` applied, is not one that can be run."""
         with tempfile.TemporaryDirectory() as folder:
             copy = self.copy_to(Path(folder) / self.name, settings)
+            copy.check_mesh()
             copy.velocity()
             copy.feed()
 

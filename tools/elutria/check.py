@@ -16,6 +16,7 @@ from elutria.scene import Box, Scene, block_mesh_box, expect
 
 def report(case: Case) -> list[Table]:
     """Tables for the terminal. Raises InputError for the first thing that is not allowed."""
+    case.check_mesh()
     velocity, feed, gas = case.velocity(), case.feed(), case.gas()
     return [
         _setting(case, velocity, gas, feed),
@@ -96,7 +97,7 @@ def _steps_and_cells(
 ) -> Table:
     table = _table("Limits", "what", "number", "what follows")
     control = case.dictionary("system/controlDict", with_included=True)
-    step = control.number("deltaT", above=0, unit="s")
+    step = control.number("deltaT", above=0, at_most=1e6, unit="s")
     table.add_row("first time step", f"{step:g} s", f"gas moves {step * velocity * 1e3:.3g} mm")
     courant = control.number("maxCo", None, above=0)
     if box is not None:

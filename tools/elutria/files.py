@@ -76,10 +76,13 @@ def _cell(value: Any) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
-def read_csv(path: Path, columns: Sequence[str]) -> list[dict[str, Any]]:
+def read_csv(
+    path: Path, columns: Sequence[str], words: Sequence[str] = ("material", "model", "law")
+) -> list[dict[str, Any]]:
     """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one.
 
-    Raises InputError when the file is missing, has other columns or ends within a row.
+    Raises InputError when the file is missing, has other columns, ends within a row or has one of
+    `columns` that is neither a number nor among the `words`.
     """
     text = read_text(path)
     rows = list(csv.reader(text.splitlines()))
@@ -87,7 +90,13 @@ def read_csv(path: Path, columns: Sequence[str]) -> list[dict[str, Any]]:
         raise InputError(f"{path}: first line must name the columns {','.join(columns)}")
     if not text.endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
         raise InputError(f"{path}: ends within a row or has rows of different length")
-    return [dict(zip(rows[0], map(_number_or_text, row), strict=True)) for row in rows[1:]]
+    table = [dict(zip(rows[0], map(_number_or_text, row), strict=True)) for row in rows[1:]]
+    for number, entries in enumerate(table, start=2):
+        for name in columns:
+            if name not in words and not isinstance(entries[name], float):
+                shown = one_line(entries[name], 40)
+                raise InputError(f"{path}: {name}: '{shown}' in line {number}; allowed: a number")
+    return table
 
 
 def _number_or_text(cell: str) -> float | str:

@@ -248,7 +248,7 @@ def _legend_above(figure: Figure, axes: Axes) -> None:
 
 
 def _optional(path: Path, columns: tuple[str, ...]) -> list[Row]:
-    return read_csv(path, columns) if path.is_file() else []
+    return read_csv(path, columns) if path.exists() or path.is_symlink() else []
 
 
 def _column(rows: list[Row], name: str) -> Array:

@@ -143,11 +143,7 @@ def make_mesh(case: Case) -> None:
         _program(["./Allrun.pre"], case.path, "log.Allrun.pre")
     elif (case.path / "system/blockMeshDict").is_file():
         _program(["blockMesh"], case.path, "log.blockMesh")
-    elif not (case.path / "constant/polyMesh/faces").exists():
-        raise InputError(
-            f"{case.path / 'system/blockMeshDict'}: file not found; allowed: it, an Allrun.pre "
-            "or a mesh in constant/polyMesh"
-        )
+    case.check_mesh()
     case.feed()  # its patches, now that the mesh is there
 
 
@@ -202,9 +198,7 @@ def write_decomposition(case: Case, np: int) -> None:
     ):
         return
     slices = [1, 1, 1]
-    gravity = [0.0, 0.0, 1.0]
-    if (case.path / "constant/g").is_file():
-        gravity = [abs(x) for x in case.dictionary("constant/g").numbers("value", 3)]
+    gravity = [abs(x) for x in case.dictionary("constant/g").numbers("value", 3)]
     slices[gravity.index(max(gravity))] = np
     text = (
         "FoamFile { version 2.0; format ascii; class dictionary; object decomposeParDict; }\n"

@@ -1,0 +1,107 @@
+"""Malformed cases given to elutriaFoam itself: one line, code 2, soon; no core is left behind."""
+
+from __future__ import annotations
+
+import random
+import resource
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools_support"))
+import malformed
+
+from elutria.bench.common import run_program
+from elutria.verification.scene import BOX, CONTROL, MODELS, add_feed, make_scene
+
+SECONDS = 5
+# what stock OpenFOAM takes although the tools refuse it, and what a scene does not have
+NOT_HERE = {"wrong unit", "executed"}
+FILES = [malformed.FEED, malformed.GAS, malformed.GRAVITY, malformed.CLOUD, malformed.CONTROL,
+         "0/U.air", "0/p", "system/fvSchemes", "system/fvSolution"]  # fmt: skip
+# a pipe or a device is read for ever by OpenFOAM; the tools refuse both
+NO_END = {"pipe", "link to a device"}
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A box of few cells with a feed that collides, meshed in ASCII, that runs for one step."""
+    case = make_scene(
+        tmp_path_factory.mktemp("bad") / "scene",
+        settings={
+            f"{BOX}:gasVelocity": 2,
+            f"{BOX}:cellsAcross": 2,
+            f"{BOX}:cellsAlong": 3,
+            f"{MODELS}/collisionModel": "cellList",
+            f"{CONTROL}:deltaT": 1e-3,
+            f"{CONTROL}:endTime": 1e-3,
+        },
+    )
+    sizes = {"type": "RosinRammler", "d63": 9e-4, "n": 3, "min": 3e-4, "max": 2e-3}
+    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    add_feed(
+        case, {"loading": 0.1, "particles": 50, "drainTime": 1, "materials": {"quartz": quartz}}
+    )
+    (case / "system/blockMeshDict").unlink()
+    run_program(["elutriaFoam"], case)
+    shutil.rmtree(case / "postProcessing")
+    return case
+
+
+def inputs(seed: int) -> list[malformed.Input]:
+    draw = random.Random(seed)
+    made = [i for i in malformed.entry_inputs(draw)
+            if i.file != malformed.PARAMETERS and i.kind not in NOT_HERE]  # fmt: skip
+    for file in FILES:
+        made += [i for i in malformed.file_inputs(draw, file, "dictionary") if i.kind not in NO_END]
+    made += [i for i in malformed.mesh_inputs(draw) if i.kind not in NO_END]
+    return made
+
+
+def start(case: Path) -> tuple[int, str]:
+    """Exit code (-1: took too long) and the line that says why."""
+
+    def allow_cores() -> None:
+        resource.setrlimit(resource.RLIMIT_CORE, (resource.getrlimit(resource.RLIMIT_CORE)[1],) * 2)
+
+    try:
+        done = subprocess.run(
+            ["elutriaFoam"], cwd=case, capture_output=True, text=True, errors="replace",
+            check=False, timeout=4 * SECONDS, preexec_fn=allow_cores,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return -1, "took too long"
+    said = [line for line in done.stdout.splitlines() if line.startswith("elutria: failed:")]
+    return done.returncode, said[-1] if said else (done.stdout + done.stderr)[-200:]
+
+
+def check(scene: Path, place: Path, chosen: list[malformed.Input]) -> Counter[str]:
+    wrong, outcomes = [], Counter()
+    for given in chosen:
+        case = place / "case"
+        shutil.copytree(scene, case)
+        given.spoil(case)
+        code, said = start(case)
+        named = Path(given.file).name in said or (given.entry and given.entry in said)
+        good = code == 2 and said.startswith("elutria: failed:") and not list(case.glob("core*"))
+        outcomes["refused and named" if good and named else "refused" if good else "WRONG"] += 1
+        if not good:
+            wrong.append(f"{given}: code {code}: {said[:250]}")
+        shutil.rmtree(case)
+    assert not wrong, f"{len(wrong)} of {len(chosen)}:\n" + "\n".join(wrong)
+    return outcomes
+
+
+def test_some_malformed_cases(scene: Path, tmp_path: Path) -> None:
+    check(scene, tmp_path, random.Random(5).sample(inputs(5), 12))
+
+
+@pytest.mark.slow
+def test_all_malformed_cases(scene: Path, tmp_path: Path, capsys) -> None:
+    outcomes = check(scene, tmp_path, inputs(1))
+    with capsys.disabled():
+        print(f"\nmalformed cases given to elutriaFoam: {dict(outcomes)}")
