@@ -108,7 +108,8 @@ private:
     std::size_t at_, stop_;
 };
 
-void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& list, double margin)
+void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& list,
+                           const Leeway& leeway)
 {
     Chunk& chunk = chunks_[c];
     const Arrays& old = chunk.current;
@@ -124,7 +125,7 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
         const Row &a = rows[i], &b = rows[j];
         Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
         if (wraps) apart = box.shortest(apart);
-        const double reach = a.radius + b.radius + margin;
+        const double reach = a.radius + b.radius + leeway.of(i) + leeway.of(j);
         if (squaredNorm(apart) < reach*reach) before.carryTo(next, i, j);
     };
     const std::uint32_t last = list.begin[end] - 1;

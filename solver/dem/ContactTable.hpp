@@ -2,6 +2,7 @@
 
 #include "Cloud.hpp"
 #include "LawTable.hpp"
+#include "Leeway.hpp"
 #include "contact.hpp"
 #include "kernels.hpp"
 #include "search.hpp"
@@ -25,8 +26,8 @@ struct LastingPair
 /// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
 /// threads with bitwise the same sums.
 ///
-/// The neighbour list holds pairs closer than the skin. Of these only the ones closer than a much
-/// smaller margin are here; refresh() chooses them anew before anything can have moved further.
+/// The neighbour list holds pairs within a wide leeway. Of these only the ones within a much smaller
+/// one are here; refresh() chooses them anew before anything can have moved further.
 class ContactTable
 {
 public:
@@ -41,9 +42,10 @@ public:
     /// Forgets everything and takes these contacts as touching.
     void reset(std::size_t particles, std::vector<LastingPair>& lasting);
 
-    /// Chooses the pairs of the list closer than `margin`; keeps the history of those that touch.
-    /// After the last of the chunks to refresh, connect().
-    void refresh(std::size_t chunk, const Cloud& cloud, const PairList& list, double margin);
+    /// Chooses the pairs of the list within their leeway; keeps the history of those that touch.
+    /// After the last of the chunks, connect().
+    void refresh(std::size_t chunk, const Cloud& cloud, const PairList& list,
+                 const Leeway& leeway);
     void connect();
 
     /// Forces of the pairs of one chunk onto its own particles; chunks may run side by side.

@@ -30,6 +30,7 @@ struct PeriodicBox
         {
             if (!periodic[axis]) continue;
             const double length = high[axis] - low[axis];
+            if (std::abs(difference[axis]) <= 0.5*length) continue;      // mostly: no division
             difference[axis] -= length*nearest(difference[axis]/length);
         }
         return difference;

@@ -56,16 +56,24 @@ void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
 {
     kept_ = records;
     std::sort(kept_.begin(), kept_.end(), before);
-    valid_ = false;
     cloud_.forget();
-    drift_ = {};
+    forgetLists();
 }
 
 /// Puts the history away under ids, before the cloud changes.
 void SoftIntegrator::keep()
 {
     kept_ = exportContacts();
+    forgetLists();
+}
+
+/// Nothing learnt stays either: other particles come out as in a fresh integrator, to the bit.
+void SoftIntegrator::forgetLists()
+{
     valid_ = false;
+    leeway_.forget(), nearLeeway_.forget();
+    list_.begin.clear(), list_.second.clear();
+    density_ = firstDensity;
 }
 
 /// Gives the history put away under ids to the contact tables.
@@ -107,155 +115,6 @@ void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<Lastin
     atWalls_.reset(contacts_.chunks(), walls);
 }
 
-// ------------------------------------------------------------------------------------ lists
-
-/// Skin of the neighbour list: the least cost per sub-step of rebuilds (about 300 ns per particle)
-/// and of the candidates looked through at every refresh.
-double SoftIntegrator::listSkin() const
-{
-    if (settings_.skin > 0) return settings_.skin;
-    const double radius = cloud_.mean;
-    if (settings_.search == NeighbourSearch::bruteForce
-        || settings_.search == NeighbourSearch::cells)
-    {
-        return 0.05*cloud_.smallest;
-    }
-    const double speed = drift_.chunks() > 0 ? drift_.speed() : cloud_.speedRange();
-    const double way = 2*std::max(speed, std::sqrt(0.2*cloud_.strongestPush*radius))*step_;
-    double best = 0, least = 1e300;
-    for (int k = 0; k < 14; ++k)
-    {
-        const double skin = 0.1*std::pow(1.25, k)*radius;
-        const double reach = 1 + 0.5*skin/radius, candidates = 1.2*reach*reach*reach;
-        const double refreshes = std::min(1.0, std::sqrt(way/(0.06*radius)));
-        const double cost = 300*way/skin + 3*candidates*refreshes;
-        if (cost < least) least = cost, best = skin;
-    }
-    return std::max(best, 8*way);
-}
-
-/// Margin of the near pairs: the least cost per sub-step of refreshes (about 20 ns per particle)
-/// and of near pairs that do not touch.
-double SoftIntegrator::nearMargin(std::size_t chunk) const
-{
-    const double way = 2*std::max(drift_.speed(chunk), 1e-9)*step_;
-    const double margin = std::sqrt(way*cloud_.mean);
-    return std::clamp(margin, 3*way + 1e-6*cloud_.smallest, 0.5*skin_ + 3*way);
-}
-
-void SoftIntegrator::rebuild()
-{
-    std::vector<LastingPair> pairs;
-    std::vector<LastingWall> walls;
-    if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
-    skin_ = listSkin();
-    checkBox();
-    const std::vector<std::uint32_t> now = cloud_.sort(2*cloud_.mean + skin_);
-    const Row* rows = cloud_.rows.data();
-    const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, &rows->radius, skin_,
-                          sizeof(Row)/sizeof(double)};
-    findPairs(spheres, cloud_.box, settings_.search, settings_.cellLayers, settings_.threads,
-              list_);
-    if (valid_)
-    {
-        for (LastingPair& p : pairs) p.first = now[p.first], p.second = now[p.second];
-        for (LastingWall& w : walls) w.particle = now[w.particle];
-        install(pairs, walls);
-    }
-    else
-    {
-        install();
-    }
-    valid_ = true;
-    ++rebuilds_;
-    drift_.reset(list_, cloud_.size(), ContactTable::chunkSize);
-    measureSpeeds();
-    margin_.resize(contacts_.chunks()), wallMargin_.resize(contacts_.chunks());
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
-    {
-        refresh(c);
-        refreshWalls(c);
-    });
-    contacts_.connect();
-}
-
-/// The shortest image must be the only one in reach.
-void SoftIntegrator::checkBox() const
-{
-    const double reach = 2*cloud_.largest + skin_;
-    for (int a = 0; a < 3; ++a)
-    {
-        const double length = settings_.box.high[a] - settings_.box.low[a];
-        if (settings_.box.periodic[a] && length < 2*reach)
-        {
-            throw std::invalid_argument("periodic box is " + std::to_string(length) + " m wide in "
-                + "xyz"[a] + "; allowed: at least " + std::to_string(2*reach)
-                + " m, twice the reach of its largest particle");
-        }
-    }
-}
-
-/// Speeds and frames of the chunks as the particles are now.
-void SoftIntegrator::measureSpeeds()
-{
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
-    {
-        const std::size_t begin = ContactTable::chunkBegin(c), end = contacts_.chunkEnd(c);
-        Vector3 mean;
-        double fastest2 = 0, inFrame2 = 0;
-        for (std::size_t i = begin; i < end; ++i) mean += cloud_.velocity(i);
-        mean *= 1/double(end - begin);
-        for (std::size_t i = begin; i < end; ++i)
-        {
-            fastest2 = std::max(fastest2, squaredNorm(cloud_.velocity(i)));
-            inFrame2 = std::max(inFrame2, squaredNorm(cloud_.velocity(i) - mean));
-        }
-        drift_.setFrame(c, mean);
-        drift_.setSpeeds(c, std::sqrt(inFrame2), std::sqrt(fastest2));
-    }
-}
-
-void SoftIntegrator::refresh(std::size_t chunk)
-{
-    margin_[chunk] = nearMargin(chunk);
-    contacts_.refresh(chunk, cloud_, list_, margin_[chunk]);
-    drift_.mark(chunk);
-}
-
-void SoftIntegrator::refreshWalls(std::size_t chunk)
-{
-    const double margin = std::max(0.25*cloud_.mean, 8*drift_.wallSpeed(chunk)*step_);
-    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, ContactTable::chunkBegin(chunk),
-                                          contacts_.chunkEnd(chunk), margin);
-    drift_.markWalls(chunk);
-}
-
-/// Refreshes or rebuilds what may miss a touch after the way gone so far.
-void SoftIntegrator::ensureLists()
-{
-    const bool everyStep = settings_.search == NeighbourSearch::bruteForce
-                           || settings_.search == NeighbourSearch::cells;
-    if (!valid_ || everyStep) return rebuild();
-    stale_.assign(contacts_.chunks(), 0);
-    bool any = false;
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
-    {
-        if (!(drift_.sinceMark(c) < margin_[c]))
-        {
-            if (drift_.sinceReset(c) + nearMargin(c) > skin_) return rebuild();
-            stale_[c] = 1;
-            any = true;
-        }
-        if (!(drift_.sinceWalls(c) < wallMargin_[c])) refreshWalls(c);
-    }
-    if (!any) return;
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
-    {
-        if (stale_[c]) refresh(c);
-    });
-    contacts_.connect();
-}
-
 // ----------------------------------------------------------------------------------- motion
 
 void SoftIntegrator::load(const Particles& particles, double step)
@@ -265,8 +124,12 @@ void SoftIntegrator::load(const Particles& particles, double step)
     const double shifted = cloud_.load(particles, step);
     mean_ = cloud_.frame;
     if (!valid_) return;
-    drift_.add(shifted);
-    measureSpeeds();
+    measureMotion();
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        nearLeeway_.use(c, shifted, {});
+        motion_[c].wallWay += shifted;
+    }
 }
 
 /// Forces on all particles; leaves those from other chunks and from walls to receive().
@@ -326,14 +189,14 @@ void SoftIntegrator::move(StepWeights weights, bool received)
         w.step = step_;
         for (int a = 0; a < 3; ++a)
         {
-            w.push[a] = cloud_.push[a], w.frame[a] = mean_[a], w.ownFrame[a] = drift_.frame(c)[a];
+            w.push[a] = cloud_.push[a], w.frame[a] = mean_[a], w.ownFrame[a] = motion_[c].frame[a];
         }
         kernels().move(w);
     });
     Vector3 sum;
     for (std::size_t c = 0; c < works_.size(); ++c)
     {
-        drift_.add(c, works_[c]);
+        follow(c, works_[c]);
         sum += {works_[c].sum[0], works_[c].sum[1], works_[c].sum[2]};
     }
     if (!std::isfinite(squaredNorm(sum)))
@@ -341,8 +204,20 @@ void SoftIntegrator::move(StepWeights weights, bool received)
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
                                  + std::to_string(step_) + " s)");
     }
+    sinceList_ += step_, sinceNear_ += step_;
     cloud_.frame = mean_;                  // the rows' from now on
     mean_ = (1/double(cloud_.size()))*sum;
+}
+
+/// Takes a chunk's step off its leeway.
+void SoftIntegrator::follow(std::size_t chunk, const MoveWork& work)
+{
+    ChunkMotion& m = motion_[chunk];
+    m.speed = std::sqrt(work.fastestInFrame);
+    m.wallSpeed = std::sqrt(work.fastest);
+    m.wallWay += m.wallSpeed*step_;
+    nearLeeway_.use(chunk, m.speed*step_, step_*m.frame);
+    m.frame = (1/double(work.end - work.begin))*Vector3{work.sum[0], work.sum[1], work.sum[2]};
 }
 
 /// Base velocities become the velocities.
@@ -415,7 +290,7 @@ std::size_t SoftIntegrator::bytes() const
     return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
            + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
            + works_.capacity()*sizeof(MoveWork)
-           + drift_.bytes();
+           + leeway_.bytes() + nearLeeway_.bytes();
 }
 
 } // namespace elutria::dem

@@ -2,9 +2,9 @@
 
 #include "Cloud.hpp"
 #include "ContactTable.hpp"
-#include "Drift.hpp"
 #include "Engine.hpp"
 #include "LawTable.hpp"
+#include "Leeway.hpp"
 #include "WallTable.hpp"
 #include "search.hpp"
 
@@ -23,10 +23,10 @@ namespace elutria::dem
 ///   v(t+h) = v* + h phi2 (a(t+h) - a)
 /// Between evaluations Base holds v* - h phi2 a, so that v = base + h phi2 a(t+h).
 ///
-/// Three rhythms: every sub-step moves and evaluates the near pairs; a chunk of particles chooses its
-/// near pairs from the neighbour list anew when some may have come closer by its margin; all is
-/// sorted and searched anew when some may have come closer by the skin (Drift). Margins follow from
-/// the speeds and a fixed model of costs, never from a clock: the same input gives the same bits.
+/// Three rhythms: every sub-step moves and evaluates the near pairs; these are chosen anew from the
+/// neighbour list when some may have used up their near leeway; all is sorted and searched anew when
+/// the list's own leeway leaves no room for that (Leeway). Leeways follow from the speeds, what was used
+/// before and a fixed model of costs, never from a clock: the same input gives the same bits.
 class SoftIntegrator
 {
 public:
@@ -45,21 +45,30 @@ public:
 private:
     void load(const Particles& particles, double step);
     void keep();
+    void forgetLists();
     void install();
     void install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls);
     void rebuild();
-    void measureSpeeds();
+    void measureMotion();
     void checkBox() const;
-    void refresh(std::size_t chunk);
+    double widestLeeway() const;
+    void grantNear();
+    void grantLeeways();
+    bool searchesEveryStep() const;
+    void findNeighbours();
+    void refresh();
+    void selectNear();
+    bool nearSuffices();
     void refreshWalls(std::size_t chunk);
     void ensureLists();
-    double listSkin() const;
-    double nearMargin(std::size_t chunk) const;
+    double nearInterval() const;
+    double listInterval() const;
 
     void evaluate(StepWeights weights);
     void receive(std::size_t chunk, StepWeights weights);
     void start();
     void move(StepWeights weights, bool received);
+    void follow(std::size_t chunk, const MoveWork& work);
     void finish();
     void kick(std::size_t chunk, double sign);
     std::size_t bytes() const;
@@ -71,16 +80,19 @@ private:
     PairList list_;
     ContactTable contacts_;
     WallTable atWalls_;
-    Drift drift_;
+    Leeway leeway_, nearLeeway_;             // of the neighbour list, of the near pairs
+    std::vector<ChunkMotion> motion_;
+    ChunkNeighbours neighbours_;
+    double sinceList_ = 0, sinceNear_ = 0;   // s
+    static constexpr double firstDensity = 3;
+    double density_ = firstDensity;          // pairs per particle and radius of reach
     std::vector<ContactRecord> kept_;        // history waiting for lists, by id
     std::vector<MoveWork> works_;            // of the chunks
 
     double step_ = 0;
     Vector3 mean_;                           // m/s, of the predicted velocities
     bool valid_ = false;                     // lists fit the cloud
-    double skin_ = 0;                        // m, of the neighbour list
-    std::vector<double> margin_, wallMargin_;      // m, of each chunk
-    std::vector<std::uint8_t> stale_;        // chunks to refresh
+    std::vector<double> wallMargin_;         // m, of each chunk
     std::size_t rebuilds_ = 0;
 };
 

@@ -22,7 +22,27 @@ std::vector<Pair> PairList::pairs() const
 namespace
 {
 
-using Found = std::vector<Pair>;
+/// Pairs as they are found; grows without a test for each.
+class Found
+{
+public:
+    void push_back(const Pair& pair) { *room(1) = pair, ++count_; }
+
+    /// Where up to `most` pairs may be put; then take() those that were.
+    Pair* room(std::size_t most)
+    {
+        if (count_ + most > pairs_.size()) pairs_.resize(2*count_ + most + 64);
+        return pairs_.data() + count_;
+    }
+    void take(std::size_t count) { count_ += count; }
+
+    const Pair* begin() const { return pairs_.data(); }
+    const Pair* end() const { return pairs_.data() + count_; }
+
+private:
+    std::vector<Pair> pairs_;
+    std::size_t count_ = 0;
+};
 
 bool neighbours(const Spheres& s, const PeriodicBox& box, std::size_t i, std::size_t j)
 {
@@ -167,16 +187,17 @@ private:
 inline void compare(const Grid::Entry& e, const Grid::Entry* begin, const Grid::Entry* end,
                     const PeriodicBox& box, bool wraps, Found& found)
 {
+    Pair* const room = found.room(std::size_t(end - begin));
+    std::size_t count = 0;
     for (const Grid::Entry* f = begin; f != end; ++f)
     {
         Vector3 d{e.x - f->x, e.y - f->y, e.z - f->z};
         if (wraps) d = box.shortest(d);
         const double reach = e.reach + f->reach;
-        if (squaredNorm(d) < reach*reach)
-        {
-            found.push_back({std::min(e.index, f->index), std::max(e.index, f->index)});
-        }
+        room[count] = {std::min(e.index, f->index), std::max(e.index, f->index)};
+        count += squaredNorm(d) < reach*reach;      // no branch: it would be guessed wrongly
     }
+    found.take(count);
 }
 
 /// Pairs of entries [from, to) of one grid with the grid's own entries (each once) or with all

@@ -9,17 +9,17 @@
 namespace elutria::dem
 {
 
-/// Spheres as the neighbour searches see them: borrowed arrays of equal length, `stride` doubles
-/// from one value to the next.
+/// Spheres as the neighbour searches see them: borrowed arrays of equal length, positions
+/// `stride` doubles from one to the next.
 struct Spheres
 {
     std::size_t size;
     const double *x, *y, *z;
     const double* radius;     // m
     double skin = 0;          // m; neighbours are closer than the sum of radii plus the skin
-    std::size_t stride = 1;
+    std::size_t stride = 1;   // of the positions
 
-    double reach(std::size_t i) const { return radius[i*stride] + 0.5*skin; }
+    double reach(std::size_t i) const { return radius[i] + 0.5*skin; }
     Vector3 position(std::size_t i) const { return {x[i*stride], y[i*stride], z[i*stride]}; }
 };
 
