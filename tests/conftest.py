@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import sys
 from pathlib import Path
@@ -44,9 +45,10 @@ def fake_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """elutriaFoam and blockMesh that only pretend, first on PATH; gives the file of their starts"""
     programs = tmp_path / "programs"
     programs.mkdir()
-    source = (HERE / "tools_support/fake_solver.py").read_text()
+    # a shebang line cannot hold a path with spaces
+    command = shlex.join([sys.executable, str(HERE / "tools_support/fake_solver.py")])
     solver = programs / "elutriaFoam"
-    solver.write_text(f"#!{sys.executable}\n{source}")
+    solver.write_text(f'#!/bin/sh\nexec {command} "$@"\n')
     mesher = programs / "blockMesh"
     mesher.write_text("#!/bin/sh\necho End\n")
     for program in (solver, mesher):

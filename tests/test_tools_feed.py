@@ -148,7 +148,7 @@ CHANGES = [
     ("loading $loading;", "", "either 'loading X;'"),
     ("seed $seed", "seed 1.5", "whole number"),
     ("quartz", "all", "cannot be a material"),
-    ("duration 20", "duration 0", "duration"),
+    ("duration $feedTime", "duration 0", "duration"),
 ]
 
 

@@ -17,6 +17,7 @@ from elutria.case import Case
 from elutria.classify import SUMMARY_COLUMNS
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
+from elutria.precision import Precision
 from elutria.run import Goal, is_finished, run_case
 from elutria.solver import Step, follow
 from elutria.sweep import SweepResult, parse_velocities, plan, run_sweep
@@ -37,13 +38,21 @@ class Silent:
     def finished(self, name: str, line: str) -> None:
         pass
 
+    def planned(self, runs: int) -> None:
+        pass
+
 
 def sweep(
-    case: Path, to: Path, velocities: str, replicates: int = 1, extra: list[str] = SMALL
+    case: Path,
+    to: Path,
+    velocities: str,
+    replicates: int = 1,
+    extra: list[str] = SMALL,
+    precision: Precision | None = None,
 ) -> SweepResult:
     source = Case(case)
     members = plan(source, to, parse_velocities(velocities), replicates, extra)
-    return run_sweep(source, to, members, jobs=2, np=1, watcher=Silent())
+    return run_sweep(source, to, members, jobs=2, np=1, watcher=Silent(), precision=precision)
 
 
 @pytest.mark.usefixtures("fake_solver")

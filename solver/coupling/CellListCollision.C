@@ -35,6 +35,7 @@ elutria::dem::Particles CellListCollision<CloudType>::particles() const
         all.spin.push_back({omega.x(), omega.y(), omega.z()});
     }
     const size_t n = all.size();
+    all.number.assign(n, 1);
     all.dragRate.assign(n, 0);
     all.gasVelocity.assign(n, {});
     all.acceleration.assign(n, {});

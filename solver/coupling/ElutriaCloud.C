@@ -128,6 +128,7 @@ void ElutriaCloud::sampleGas(trackingData& td, const scalar dt)
     all.material.resize(n);
     all.radius.resize(n);
     all.mass.resize(n);
+    all.number.resize(n);
     all.dragRate.resize(n);
     for
     (
@@ -205,6 +206,7 @@ void ElutriaCloud::sampleGas
     all.material[i] = contacts_ ? contacts_->material(p) : 0;
     all.radius[i] = 0.5*p.d();
     all.mass[i] = mass;
+    all.number[i] = p.nParticle();
     all.dragRate[i] = rate;
     all.position.set(i, toEngine(p.position()));
     all.velocity.set(i, toEngine(startVelocity));

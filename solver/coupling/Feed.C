@@ -172,31 +172,16 @@ void Feed::readSchedule(const word& phaseName)
             << " massFlowRate (kg/s)" << exit(FatalIOError);
     }
 
-    const scalar massFlow =
+    massFlow_ =
         found("massFlowRate")
       ? readPositive(*this, "massFlowRate")
       : readPositive(*this, "loading")*gasMassFlow(phaseName);
 
-    if (!(massFlow > 0))
+    if (!(massFlow_ > 0))
     {
         FatalIOErrorInFunction(*this)
-            << "loading gives a feed of " << massFlow << " kg/s: no gas flows"
+            << "loading gives a feed of " << massFlow_ << " kg/s: no gas flows"
             << " in; allowed: an inflow, or massFlowRate"
-            << exit(FatalIOError);
-    }
-
-    for (const Material& m : materials_)
-    {
-        meanMass_ += m.numberFraction*m.meanMass();
-    }
-    rate_ = massFlow/meanMass_;
-
-    const word parcels(getOrDefault<word>("parcels", "particles"));
-    evenMass_ = parcels == "evenMass";
-    if (!evenMass_ && parcels != "particles")
-    {
-        FatalIOErrorInFunction(*this)
-            << "parcels is " << parcels << ", allowed: particles, evenMass"
             << exit(FatalIOError);
     }
 
@@ -210,7 +195,41 @@ void Feed::readSchedule(const word& phaseName)
     duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
+
+    sampling_ = readSampling();
+    scalar meanMass = 0;
+    for (const Material& m : materials_)
+    {
+        meanMass += m.numberFraction*m.meanMass();
+    }
+    rate_ =
+        weighted() && found("duration") && found("particles")
+      ? maxParticles_/duration_
+      : massFlow_/meanMass;
+
     seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
+}
+
+
+Feed::Sampling Feed::readSampling() const
+{
+    const word parcels(getOrDefault<word>("parcels", "particles"));
+    if (parcels == "evenMass")
+    {
+        return Sampling::evenMass;
+    }
+    if (parcels == "evenSizes")
+    {
+        return Sampling::evenSizes;
+    }
+    if (parcels != "particles")
+    {
+        FatalIOErrorInFunction(*this)
+            << "parcels is " << parcels
+            << ", allowed: particles, evenMass, evenSizes"
+            << exit(FatalIOError);
+    }
+    return Sampling::particles;
 }
 
 
@@ -236,7 +255,7 @@ label Feed::material(const label i) const
     label m = 0;
     const auto share = [&](const Material& material)
     {
-        return evenMass_ ? material.massFraction : material.numberFraction;
+        return weighted() ? material.massFraction : material.numberFraction;
     };
     while (m < materials_.size() - 1 && u >= share(materials_[m]))
     {
@@ -247,7 +266,7 @@ label Feed::material(const label i) const
 }
 
 
-scalar Feed::diameter(const label i, const label material) const
+scalar Feed::place(const label i, const label material) const
 {
     // Van der Corput's sequence: the digits of i in base 2, mirrored
     uint32_t mirrored = 0;
@@ -255,11 +274,24 @@ scalar Feed::diameter(const label i, const label material) const
     {
         mirrored = (mirrored << 1) | ((uint32_t(i) >> bit) & 1);
     }
-    scalar u = mirrored*0x1.0p-32 + random(material, 7);
-    u -= std::floor(u);
+    const scalar u = mirrored*0x1.0p-32 + random(material, 7);
+    return u - std::floor(u);
+}
 
+
+scalar Feed::diameter(const label i, const label material) const
+{
     const SizeDistribution& sizes = materials_[material].sizes;
-    return evenMass_ ? sizes.quantileByMass(u) : sizes.quantileByNumber(u);
+    const scalar u = place(i, material);
+    switch (sampling_)
+    {
+        case Sampling::evenMass:
+            return sizes.quantileByMass(u);
+        case Sampling::evenSizes:
+            return sizes.quantileBySize(u);
+        default:
+            return sizes.quantileByNumber(u);
+    }
 }
 
 
@@ -285,8 +317,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     drainTime_(GREAT),
     maxParticles_(labelMax),
     seed_(0),
-    evenMass_(false),
-    meanMass_(0),
+    sampling_(Sampling::particles),
+    massFlow_(0),
     rate_(0)
 {
     readMaterials();
@@ -343,6 +375,22 @@ scalar Feed::mass(const label i) const
 {
     const label m = material(i);
     return materials_[m].density*piBy6*pow3(diameter(i, m));
+}
+
+
+scalar Feed::number(const label i) const
+{
+    if (!weighted())
+    {
+        return 1;
+    }
+    scalar massOverMean = 1;
+    if (sampling_ == Sampling::evenSizes)
+    {
+        const label m = material(i);
+        massOverMean = materials_[m].sizes.massOverEven(place(i, m));
+    }
+    return massOverMean*massFlow_/(rate_*mass(i));
 }
 
 

@@ -43,7 +43,7 @@ std::vector<std::vector<double>*> columns(Particles& p, const bool back)
     }
     else
     {
-        list.insert(list.end(), {&p.radius, &p.mass, &p.dragRate});
+        list.insert(list.end(), {&p.radius, &p.mass, &p.number, &p.dragRate});
         vectors({&p.gasVelocity, &p.acceleration});
     }
     return list;

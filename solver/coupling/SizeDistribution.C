@@ -193,18 +193,58 @@ scalarList SizeDistribution::reweighted
 }
 
 
-scalar SizeDistribution::quantile
+scalarList SizeDistribution::evenlyOverSizes() const
+{
+    scalarList shares(massFiner_.size(), Zero);
+    for (label i = 1; i < shares.size(); ++i)
+    {
+        const bool filled = massFiner_[i] > massFiner_[i-1];
+        shares[i] =
+            shares[i-1]
+          + (filled ? std::log(diameter_[i]/diameter_[i-1]) : 0);
+    }
+    if (!(shares.last() > 0))
+    {
+        return massFiner_;              // a single size
+    }
+    for (scalar& share : shares)
+    {
+        share /= shares.last();
+    }
+    return shares;
+}
+
+
+label SizeDistribution::classAt
 (
     const scalarList& finer,
     const scalar u
 ) const
 {
     const auto upper = std::upper_bound(finer.cbegin(), finer.cend(), u);
-    const label i = Foam::min
+    return Foam::min
     (
         Foam::max(label(upper - finer.cbegin()), label(1)),
         finer.size() - 1
     );
+}
+
+
+scalar SizeDistribution::massOverEven(const scalar u) const
+{
+    const label i = classAt(sizeFiner_, u);
+    return
+        (massFiner_[i] - massFiner_[i-1])/(sizeFiner_[i] - sizeFiner_[i-1]);
+}
+
+
+scalar SizeDistribution::quantile
+(
+    const scalarList& finer,
+    const scalar u
+) const
+{
+    const label i = classAt(finer, u);
     const scalar low = finer[i-1], high = finer[i];
     const scalar s = high > low ? (u - low)/(high - low) : 0;
 
@@ -239,6 +279,7 @@ SizeDistribution::SizeDistribution(const dictionary& dict)
             << exit(FatalIOError);
     }
 
+    sizeFiner_ = evenlyOverSizes();
     for (label i = 1; i < diameter_.size(); ++i)
     {
         meanCube_ += (numberFiner_[i] - numberFiner_[i-1])*classCube(i);

@@ -39,6 +39,9 @@ struct Particles
     std::vector<double> radius, mass;      // m, kg; solid spheres: inertia 2/5 m r^2
     VectorArray position, velocity, spin;  // m, m/s, rad/s
 
+    // Particles that each sphere stands for (see weights.hpp); empty: one
+    std::vector<double> number;
+
     // Forcing by the gas, constant during one advance():
     //   dv/dt = acceleration + dragRate*(gasVelocity - v) + contacts/mass
     // Each may stay empty: no such forcing.

@@ -2,6 +2,7 @@
 
 #include "meeting.hpp"
 #include "search.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 
@@ -26,10 +27,13 @@ double EventDriven::run(std::vector<Traveller>& members, double begin, double en
     busyUntil_ = begin;
     queue_.clear();
     states_.assign(members.size(), {});
+    double most = 1;
+    for (const Traveller& t : members) most = std::max(most, t.number);
+    widening_ = std::sqrt(std::min(most, largestCollisionNumber));
     for (std::size_t i = 0; i < members.size(); ++i)
     {
         states_[i].since = begin;
-        states_[i].bound = boundOf(members[i].flight, members[i].radius, end - begin);
+        states_[i].bound = boundOf(members[i].flight, widening_*members[i].radius, end - begin);
         legs[i].push_back({begin, members[i].flight, 0});
     }
     predictAll();
@@ -97,14 +101,16 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
     const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
-    const double sum = ta.radius + tb.radius;
+    const double sum = meetingDistance(ta, tb);
+    const bool passable = isWeighted(ta, tb);
+    if (passable && norm(shortest) < sum*(1 + 1e-9)) return;      // have met already
     Event event{from, a, b, sa.version, sb.version, true};
     if (norm(shortest) >= (1 - shallow)*sum)
     {
         const Meeting m = meeting(fa, fb, d - shortest, sum, 0, end_ - from);
         if (m.time >= never) return;
         event.time = from + m.time;
-        event.handOver = m.lasting || !laws_(ta.material, tb.material).applies();
+        event.handOver = !passable && (m.lasting || !laws_(ta.material, tb.material).applies());
     }
     push(event);
 }
@@ -206,6 +212,11 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     const double radius = onWall ? ta.radius
         : ta.radius*bodyB.radius/(ta.radius + bodyB.radius);
     const bool busy = time < sa.busyUntil || (!onWall && time < states_[b].busyUntil);
+    if (!onWall && isWeighted(ta, (*members_)[b]))
+    {
+        meetWeighted(event, bodyA, bodyB, normal, law);
+        return Verdict::done;
+    }
     if (busy && !forced_) return Verdict::crowded;
     if (!collide(bodyA, bodyB, normal, law)) return Verdict::handOver;
 
@@ -219,6 +230,31 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
         states_[b].busyUntil = over;
         changed(b, bodyB);
     }
+    predictAfter(event);
+    return Verdict::done;
+}
+
+
+/// Each party takes part with the chance that its share of the other's particles gives it.
+void EventDriven::meetWeighted(const Event& event, ImpactBody bodyA, ImpactBody bodyB,
+                               const Vector3& normal, const ImpactLaw& law)
+{
+    const Traveller &ta = (*members_)[event.a], &tb = (*members_)[event.b];
+    const double factor = crossSectionFactor(ta, tb);
+    const bool hitsA = chanceOf(ta, tb, event.time, false) < tb.number/factor;
+    const bool hitsB = chanceOf(ta, tb, event.time, true) < ta.number/factor;
+    if (!(hitsA || hitsB) || !collide(bodyA, bodyB, normal, law)) return;
+    ++impacts_;
+    if (hitsA) changed(event.a, bodyA);
+    if (hitsB) changed(event.b, bodyB);
+    predictAfter(event);
+}
+
+
+void EventDriven::predictAfter(const Event& event)
+{
+    const auto [time, a, b, versionA, versionB, handOver] = event;
+    const bool onWall = b == wall;
     for (std::uint32_t i = 0; i < states_.size(); ++i)
     {
         if (i == a || i == b) continue;
@@ -228,7 +264,6 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     if (!onWall) predictPair(std::min(a, b), std::max(a, b), time);
     predictWall(a, time);
     if (!onWall) predictWall(b, time);
-    return Verdict::done;
 }
 
 
@@ -239,7 +274,7 @@ void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
     t.flight.acceleration -= t.flight.rate*(after.velocity - t.flight.velocity);
     t.flight.velocity = after.velocity;
     t.spin = after.spin;
-    state.bound = boundOf(t.flight, t.radius, end_ - state.since);
+    state.bound = boundOf(t.flight, widening_*t.radius, end_ - state.since);
     ++state.version;
     ++state.impacts;
     std::vector<Leg>& legs = (*legs_)[a];

@@ -16,6 +16,7 @@ struct Traveller
     std::uint64_t id = 0;
     std::uint32_t material = 0;
     double radius = 0, mass = 0;
+    double number = 1;             // of particles that it stands for
     Flight flight;
     Vector3 spin;
     Vector3 force;                 // m/s^2: constant acceleration, without drag
@@ -102,6 +103,9 @@ private:
     void predictWall(std::uint32_t a, double from);
     enum class Verdict { done, handOver, crowded };
     Verdict carryOut(const Event&);
+    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, const Vector3& normal,
+                      const ImpactLaw&);
+    void predictAfter(const Event&);
     void fly(std::uint32_t a, double to);
     void changed(std::uint32_t a, const ImpactBody& after);
     void push(const Event& event);
@@ -127,6 +131,7 @@ private:
     std::vector<Traveller>* members_ = nullptr;
     std::vector<std::vector<Leg>>* legs_ = nullptr;
     double end_ = 0;
+    double widening_ = 1;                // of bounds, for spheres of many particles
     std::vector<State> states_;
     std::vector<Event> queue_;
     std::vector<Walls::Image> images_;

@@ -116,6 +116,7 @@ void Hybrid::load(const Particles& p)
         const std::uint32_t k = order_[i];
         Traveller& t = start_[i];
         t.id = p.id[k], t.material = p.material[k], t.radius = p.radius[k], t.mass = p.mass[k];
+        t.number = p.number.empty() ? 1 : p.number[k];
         t.spin = p.spin[k];
         t.force = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
         t.gasVelocity = p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[k];

@@ -123,6 +123,7 @@ private:
     std::vector<Traveller> start_;             // state at the start of the piece
     std::vector<Flight> ends_;                 // of the free flights
     std::vector<double> slack_;                // m, deviation from the chord
+    double widening_ = 1;                      // of bounds, for spheres of many particles
     std::vector<Bound> bounds_;                // in the frame moving with frame_
     Vector3 frame_;                            // m/s
     VectorArray centres_;

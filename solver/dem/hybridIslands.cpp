@@ -2,6 +2,7 @@
 
 #include "Stopwatch.hpp"
 #include "meeting.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -108,7 +109,7 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
         {
             const std::uint32_t i = island.particles[p];
             const std::vector<Leg>& legs = island.legs[p];
-            bounds_[i] = boundOf(legs, start_[i].radius, duration, frame_);
+            bounds_[i] = boundOf(legs, widening_*start_[i].radius, duration, frame_);
             if (legs.size() > 1 || legs[0].slack > 0) changed.push_back(i);
         }
     }
@@ -123,8 +124,10 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (islandOf_[i] == islandOf_[j] && islandOf_[i] != none) return;
-        const double sum = start_[i].radius + start_[j].radius;
-        if (pathsMeet(path(i, freeA), path(j, freeB), sum, settings_.box, duration) < never)
+        const double distance = meetingDistance(start_[i], start_[j]);
+        const bool passable = isWeighted(start_[i], start_[j]);
+        if (pathsMeet(path(i, freeA), path(j, freeB), distance, passable, settings_.box, duration)
+            < never)
             hits.push_back({i, j});
     };
     if (changed.size() < fewChanged)

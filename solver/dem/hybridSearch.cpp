@@ -2,6 +2,7 @@
 
 #include "meeting.hpp"
 #include "search.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,13 +37,16 @@ bool Hybrid::bounds(double duration)
     frame_ = {};
     for (std::size_t i = 0; i < n; ++i) frame_ += ends_[i].position - start_[i].flight.position;
     frame_ *= 1/(duration*double(n));
+    double most = 1;
+    for (const Traveller& t : start_) most = std::max(most, t.number);
+    widening_ = std::sqrt(std::min(most, largestCollisionNumber));
     forParticles([&](std::size_t i)
     {
         const Flight& flight = start_[i].flight;
         const Vector3 moved = ends_[i].position - flight.position - duration*frame_;
         slack_[i] = flight.chordDeviation(duration);
         bounds_[i] = {flight.position + 0.5*moved,
-                      start_[i].radius + 0.5*norm(moved) + slack_[i]};
+                      widening_*start_[i].radius + 0.5*norm(moved) + slack_[i]};
     });
     double largest = 0;
     for (const Bound& bound : bounds_) largest = std::max(largest, bound.reach);
@@ -93,11 +97,12 @@ void Hybrid::checkPair(std::uint32_t i, std::uint32_t j)
     const Vector3 offset = centres - settings_.box.shortest(centres);
     const Vector3 apart = a.position - b.position - offset;
     const Vector3 moved = (ends_[i].position - a.position) - (ends_[j].position - b.position);
-    const double sum = start_[i].radius + start_[j].radius;
+    const double sum = meetingDistance(start_[i], start_[j]);
     const double close = sum + slack_[i] + slack_[j];
     if (squaredDistanceOfSegment(apart, moved) >= close*close) return;
-    candidates_.push_back({i, j});
     const double distance2 = squaredNorm(apart);
+    if (isWeighted(start_[i], start_[j]) && distance2 < sum*sum) return;    // on its way through
+    candidates_.push_back({i, j});
     if (distance2 >= sum*sum) return;
     const std::uint64_t a0 = start_[i].id, b0 = start_[j].id;
     const ContactRecord key{std::min(a0, b0), std::max(a0, b0), false, {}};

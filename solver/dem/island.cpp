@@ -137,7 +137,7 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
 
 
 double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double distance,
-                 const PeriodicBox& box, double duration)
+                 bool passable, const PeriodicBox& box, double duration)
 {
     std::size_t i = 0, j = 0;
     while (i < a.size() && j < b.size())
@@ -150,8 +150,10 @@ double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double di
             const Flight fb = b[j].flight.at(begin - b[j].begin);
             const Vector3 d = fa.position - fb.position, shortest = box.shortest(d);
             const double close = distance + a[i].slack + b[j].slack;
-            if (norm(shortest) < close*(1 - EventDriven::shallow)) return begin;
-            const Meeting m = meeting(fa, fb, d - shortest, close, 0, end - begin);
+            const bool within = norm(shortest) < close*(1 - EventDriven::shallow);
+            if (within && !passable) return begin;
+            const Meeting m = within ? Meeting{}
+                                     : meeting(fa, fb, d - shortest, close, 0, end - begin);
             if (m.time < never) return begin + m.time;
         }
         if (endA <= endB) ++i;

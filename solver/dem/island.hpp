@@ -59,8 +59,9 @@ private:
 };
 
 /// First time before `duration` at which two paths come closer than `distance`; never if none.
+/// Where they are `passable`, two that start closer do not count.
 double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double distance,
-                 const PeriodicBox& box, double duration);
+                 bool passable, const PeriodicBox& box, double duration);
 
 /// Bound of a whole path, in a frame that moves with `frame`.
 Bound boundOf(const std::vector<Leg>& legs, double radius, double duration, const Vector3& frame);

@@ -100,9 +100,15 @@ def sweep(
     to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
     set_: SetOption = None,
     np: ProcessorsOption = 1,
+    precision: Annotated[
+        float | None,
+        typer.Option(help="Replicates until the 95 % interval of d50 is +- this share of it."),
+    ] = None,
+    most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
 ) -> None:
     """Run a case at several gas velocities side by side. What is finished is never run again."""
     from elutria.case import Case
+    from elutria.precision import Precision
     from elutria.sweep import parse_velocities, plan, run_sweep
 
     source = Case(case)
@@ -113,11 +119,14 @@ def sweep(
     if jobs < 0:
         raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
     jobs = jobs or max(1, len(os.sched_getaffinity(0)) // np)
+    asked = None if precision is None else Precision(precision, most_runs)
     with _SweepDisplay(len(members)) as display:
-        result = run_sweep(source, folder, members, jobs, np, display)
+        result = run_sweep(source, folder, members, jobs, np, display, asked)
     if result.skipped:
-        console.print(f"{result.skipped} of {len(members)} runs were finished before", style="dim")
+        console.print(f"{result.skipped} runs were finished before", style="dim")
     _show(result.tables)
+    for velocity in result.imprecise:
+        console.print(f"{velocity:g} m/s: d50 is not known to {precision:g} after {most_runs} runs")
     if result.tables.summary:
         _plot(folder)
     if result.failures:
@@ -300,6 +309,9 @@ class _SweepDisplay:
         self.shares[name] = share
         self.display.update(name, share, note)
         self.display.update("all", sum(self.shares.values()) / self.runs)
+
+    def planned(self, runs: int) -> None:
+        self.runs = runs
 
     def finished(self, name: str, line: str) -> None:
         self.shares[name] = 1.0

@@ -44,7 +44,7 @@ class Feed:
     start: float
     duration: float
     particles: int | None
-    parcels: str  # particles: each parcel is one; evenMass: each parcel is the same mass
+    parcels: str  # particles: each parcel is one; evenMass, evenSizes: see Feed.H
     drain_time: float
     velocity: tuple[float, float, float]
     seed: int
@@ -95,7 +95,7 @@ def read_feed(case: Path) -> Feed:
         start=entries.number("start", 0.0, at_least=0, unit="s"),
         duration=duration,
         particles=None if particles is None else int(particles),
-        parcels=entries.word("parcels", ("particles", "evenMass"), "particles"),
+        parcels=entries.word("parcels", ("particles", "evenMass", "evenSizes"), "particles"),
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
         velocity=(velocity[0], velocity[1], velocity[2]),
         seed=_read_seed(entries),

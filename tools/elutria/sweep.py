@@ -2,6 +2,8 @@
 
 RESULTS/U<velocity> is the first run of a velocity, RESULTS/U<velocity>-<r> replicate r with its own
 seed. Each is a process of its own, so that one that fails or is killed leaves the others alone.
+With a precision asked, a velocity gets replicates until its cut size is known so well; which
+runs there are depends on results alone, so that a sweep that is started again makes the same ones.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from elutria.classify import Classification, classify
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.events import join, read_run
 from elutria.files import write_json, writing_to
+from elutria.precision import Precision
 from elutria.run import is_finished, wall_time
 from elutria.theory import write_theory
 
@@ -53,6 +56,7 @@ class SweepResult:
     tables: Classification = field(default_factory=Classification)
     failures: dict[str, str] = field(default_factory=dict)
     skipped: int = 0
+    imprecise: list[float] = field(default_factory=list)
 
 
 class Watcher(Protocol):
@@ -63,6 +67,9 @@ class Watcher(Protocol):
 
     def finished(self, name: str, line: str) -> None:
         """A run is whole or failed."""
+
+    def planned(self, runs: int) -> None:
+        """There are so many runs in all."""
 
 
 def parse_velocities(text: str) -> list[float]:
@@ -90,36 +97,46 @@ def plan(
     """The runs of a sweep, checked as far as possible without running anything."""
     if replicates < 1:
         raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
-    seed = 0
-    if replicates > 1:
-        parameters = case.dictionary(PARAMETERS, with_included=True)
-        seed = int(parameters.number("seed", at_least=0))
     extra = list(extra)
     members = []
     for velocity in velocities:
-        for replicate in range(1, replicates + 1):
-            settings = case.settings_for(velocity, extra)
-            if replicate > 1:
-                settings.append(Setting.parse(f"{SEED}={seed + replicate - 1}"))
-            suffix = f"-{replicate}" if replicate > 1 else ""
-            members.append(
-                Member(velocity, replicate, folder / f"U{velocity:.12g}{suffix}", tuple(settings))
-            )
+        settings = tuple(case.settings_for(velocity, extra))
+        first = Member(velocity, 1, folder / f"U{velocity:.12g}", settings)
+        members += [first, *(_replicate(case, first, r) for r in range(2, replicates + 1))]
     case.check_settings(members[0].settings)
     return members
 
 
+def _replicate(case: Case, first: Member, number: int) -> Member:
+    """Replicate `number` (2, 3, ...) of a velocity's first run: the same with another seed."""
+    parameters = case.dictionary(PARAMETERS, with_included=True)
+    seed = int(parameters.number("seed", at_least=0)) + number - 1
+    return Member(
+        first.velocity,
+        number,
+        first.folder.with_name(f"{first.folder.name}-{number}"),
+        (*first.settings, Setting.parse(f"{SEED}={seed}")),
+    )
+
+
 def run_sweep(
-    case: Case, folder: Path, members: list[Member], jobs: int, np: int, watcher: Watcher
+    case: Case,
+    folder: Path,
+    members: list[Member],
+    jobs: int,
+    np: int,
+    watcher: Watcher,
+    precision: Precision | None = None,
 ) -> SweepResult:
     """Run what is not finished, `jobs` at a time, and write the tables of what is whole."""
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     result = SweepResult()
-    todo = [m for m in members if not is_finished(m.folder, case.fingerprint(m.settings, np))]
-    result.skipped = len(members) - len(todo)
+    course = _Course(case, np, list(members), precision, result)
+    todo = course.not_finished(members)
     with _Pool(case, jobs, np, watcher) as pool:
-        pool.run(todo, result.failures)
+        pool.run(todo, course)
+    members = course.members
     for velocity in sorted({member.velocity for member in members}):
         group = [m for m in members if m.velocity == velocity and m.name not in result.failures]
         if group:
@@ -141,6 +158,59 @@ def run_sweep(
         },
     )
     return result
+
+
+class _Course:
+    """Which runs a sweep has, and which it needs after one has ended."""
+
+    def __init__(
+        self,
+        case: Case,
+        np: int,
+        members: list[Member],
+        precision: Precision | None,
+        result: SweepResult,
+    ):
+        self.case = case
+        self.np = np
+        self.members = members
+        self.precision = precision
+        self.result = result
+        self.running: set[str] = set()
+
+    def not_finished(self, members: list[Member]) -> list[Member]:
+        """Those of `members`, and of what follows from the finished ones, that are to be run."""
+        fingerprint = self.case.fingerprint
+        whole = [m for m in members if is_finished(m.folder, fingerprint(m.settings, self.np))]
+        self.result.skipped += len(whole)
+        todo = [member for member in members if member not in whole]
+        self.running |= {member.name for member in todo}
+        for velocity in dict.fromkeys(member.velocity for member in whole):
+            todo += self._further(velocity)
+        return todo
+
+    def ended(self, member: Member, failure: str | None) -> list[Member]:
+        """A run ended; the runs to start now."""
+        self.running.discard(member.name)
+        if failure is not None:
+            self.result.failures[member.name] = failure
+        return self._further(member.velocity)
+
+    def _further(self, velocity: float) -> list[Member]:
+        group = [member for member in self.members if member.velocity == velocity]
+        bad = any(m.name in self.running or m.name in self.result.failures for m in group)
+        if self.precision is None or bad:
+            return []
+        try:
+            run = join([read_run(member.folder) for member in group])
+        except InputError:
+            return []  # told when the tables are made
+        count = self.precision.further_runs(run, len(group))
+        if count == 0 and not self.precision.reached(run):
+            self.result.imprecise.append(velocity)
+        further = [_replicate(self.case, group[0], len(group) + k) for k in range(1, count + 1)]
+        self.members += further
+        return self.not_finished(further)
 
 
 class _Pool:
@@ -165,22 +235,28 @@ class _Pool:
                 process.terminate()
         self.executor.shutdown(wait=True, cancel_futures=True)
 
-    def run(self, members: list[Member], failures: dict[str, str]) -> None:
-        """Run all; a failure goes to `failures` and the others go on."""
-        pending: dict[Future[None], Member] = {
-            self.executor.submit(self._one, member): member for member in members
-        }
+    def run(self, members: list[Member], course: _Course) -> None:
+        """Run all, and what the course adds; one that fails leaves the others going on."""
+        pending: dict[Future[None], Member] = {}
+
+        def start(members: list[Member]) -> None:
+            pending.update({self.executor.submit(self._one, member): member for member in members})
+            self.watcher.planned(len(course.members))
+
+        start(members)
         while pending:
             for future in wait(pending, return_when=FIRST_COMPLETED).done:
                 member = pending.pop(future)
+                failure = None
                 try:
                     future.result()
                 except ElutriaError as error:
-                    failures[member.name] = str(error)
+                    failure = str(error)
                     self.watcher.finished(member.name, f"FAILED: {error}")
                 else:
                     seconds = wall_time(member.folder)
                     self.watcher.finished(member.name, f"finished in {seconds:.0f} s")
+                start(course.ended(member, failure))
 
     def _one(self, member: Member) -> None:
         settings = [f"{s.file}:{s.entry}={s.value}" for s in member.settings]

@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "GasPhase.H"
-#include "CorrectPhi.H"
+#include "extrapolatedCalculatedFvPatchFields.H"
 
 namespace Foam
 {
@@ -36,6 +36,44 @@ IOobject GasPhase::fieldHeader
     (
         name, mesh_.time().timeName(), mesh_, read, IOobject::AUTO_WRITE
     );
+}
+
+
+tmp<volVectorField> GasPhase::reconstruct(const surfaceScalarField& flux) const
+{
+    auto tresult = tmp<volVectorField>::New
+    (
+        IOobject("reconstruct(" + flux.name() + ')', mesh_.time().timeName(), mesh_),
+        mesh_,
+        dimensionedVector(flux.dimensions()/dimArea, Zero),
+        extrapolatedCalculatedFvPatchVectorField::typeName
+    );
+    vectorField& sum = tresult.ref().primitiveFieldRef();
+
+    const labelUList& owner = mesh_.owner();
+    const labelUList& neighbour = mesh_.neighbour();
+    forAll(neighbour, facei)
+    {
+        const vector part
+        (
+            mesh_.Sf()[facei]*(flux[facei]/mesh_.magSf()[facei])
+        );
+        sum[owner[facei]] += part;
+        sum[neighbour[facei]] += part;
+    }
+    forAll(mesh_.boundary(), patchi)
+    {
+        const fvPatch& patch = mesh_.boundary()[patchi];
+        const fvsPatchScalarField& patchFlux = flux.boundaryField()[patchi];
+        forAll(patchFlux, i)
+        {
+            sum[patch.faceCells()[i]] +=
+                patch.Sf()[i]*(patchFlux[i]/patch.magSf()[i]);
+        }
+    }
+    sum = faceSumInverse_ & sum;
+    tresult.ref().correctBoundaryConditions();
+    return tresult;
 }
 
 
@@ -93,7 +131,7 @@ void GasPhase::correctPressure
             p_.relax();
             U_ =
                 HbyA
-              + rAU*fvc::reconstruct((forceFlux - pressureFlux)/rAUf);
+              + rAU*reconstruct((forceFlux - pressureFlux)/rAUf);
             U_.correctBoundaryConditions();
         }
     }
@@ -186,6 +224,13 @@ GasPhase::GasPhase
     turbulence_(nullptr),
     pRefCell_(0),
     pRefValue_(0),
+    faceSumInverse_
+    (
+        inv
+        (
+            fvc::surfaceSum(mesh.Sf()*mesh.Sf()/mesh.magSf())().primitiveField()
+        )
+    ),
     cumulativeContinuityError_(0),
     extraSteps_(0)
 {
@@ -251,7 +296,7 @@ void GasPhase::solve
         surfaceScalarField forceFlux(fvc::flux(rAU*force));
         const dimensionedVector missing
         (
-            fvc::domainIntegrate(force - fvc::reconstruct(forceFlux/rAUf))
+            fvc::domainIntegrate(force - reconstruct(forceFlux/rAUf))
            /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
         );
         forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
@@ -262,7 +307,7 @@ void GasPhase::solve
             (
                 UEqn
              ==
-                fvc::reconstruct
+                reconstruct
                 (
                     forceFlux/rAUf - fvc::snGrad(p_)*mesh_.magSf()
                 )
