@@ -255,6 +255,10 @@ void ElutriaCloud::advanceParticles(const scalar dt)
                     trouble = error.what();
                     return;
                 }
+                work_.particleSteps += everyone.size();
+                work_.freeFlights += report_.freeParticles;
+                work_.softFlights += report_.softParticles;
+                work_.impacts += report_.impacts;
                 for (const std::string& warning : report_.warnings)
                 {
                     Info<< "    Warning: " << warning.c_str() << endl;
@@ -367,6 +371,55 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
     sampleGas(td, dt);
     advanceParticles(dt);
     track(td, dt);
+}
+
+
+bool ElutriaCloud::hasFriction() const
+{
+    const elutria::dem::ContactMaterials& materials =
+        contacts_->engine().materials();
+    for (uint32_t a = 0; a < materials.size(); ++a)
+    {
+        for (uint32_t b = 0; b <= a; ++b)
+        {
+            if (materials.pair(a, b).friction > 0)
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+
+scalar ElutriaCloud::shortestContact
+(
+    const scalar diameter,
+    const scalar speed
+) const
+{
+    elutria::dem::Particles pair;
+    for (const label i : {0, 1})
+    {
+        scalar lightest = GREAT;
+        for (const Feed::Material& m : feed_->materials())
+        {
+            lightest = min(lightest, m.density);
+        }
+        pair.id.push_back(i);
+        pair.material.push_back(0);
+        pair.radius.push_back(0.5*diameter);
+        pair.mass.push_back
+        (
+            lightest*constant::mathematical::pi/6*pow3(diameter)
+        );
+        pair.position.push_back({2*i*diameter, 0, 0});
+        pair.velocity.push_back({});
+        pair.spin.push_back({});
+    }
+    return
+        contacts_->engine().stepLimit(pair, speed)
+       /contacts_->engine().settings().stepFraction;
 }
 
 

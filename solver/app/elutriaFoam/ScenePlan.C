@@ -83,6 +83,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
 :
     gas_(gas),
     interval_(1),
+    toldInterval_(1),
     since_(0),
     lastForce_(gas.U().size(), Zero),
     solves_(0),
@@ -96,7 +97,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.005);
-    courant_ = readPositive(dict, "gasCourant", 5);
+    courant_ = readPositive(dict, "gasCourant", 20);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     if (retakes_ < 0)
     {
@@ -164,6 +165,12 @@ void ScenePlan::gasSolved(const volVectorField& force, const scalar change)
     {
         interval_ = max(interval_/2, label(1));
     }
+    if (interval_ >= 8*toldInterval_ || 8*interval_ <= toldInterval_)
+    {
+        toldInterval_ = interval_;
+        Info<< "Scene plan: the gas is now due every " << interval_
+            << " steps, its velocity changed by " << 100*change << " %" << endl;
+    }
 }
 
 
@@ -172,30 +179,6 @@ void ScenePlan::account(const part p)
     const clock::time_point now = clock::now();
     seconds_[p] += std::chrono::duration<scalar>(now - lapStart_).count();
     lapStart_ = now;
-}
-
-
-void ScenePlan::report(const ElutriaCloud& cloud) const
-{
-    static const char* const names[nParts] =
-        {"particles", "exchange", "gas", "output"};
-
-    scalar total = SMALL;
-    for (const scalar s : seconds_)
-    {
-        total += s;
-    }
-    Info<< nl << "Scene plan: " << steps_ << " steps, gas solved " << solves_
-        << " times, left at rest " << sleeps_
-        << " times when due (largest velocity change spared "
-        << 100*largestSpared_ << " %), interval now " << interval_
-        << " steps" << nl;
-    for (label p = 0; p < nParts; ++p)
-    {
-        Info<< "    " << names[p] << ": " << seconds_[p] << " s, "
-            << 100*seconds_[p]/total << " %" << nl;
-    }
-    Info<< endl;
 }
 
 

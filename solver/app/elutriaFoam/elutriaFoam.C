@@ -159,6 +159,7 @@ void run(const argList& args)
         );
     }
 
+    plan.announce(cloud, runTime);
     ending::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
