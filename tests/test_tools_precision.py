@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.test_tools_run import sweep
 
 from elutria.errors import InputError
 from elutria.events import Account, Events, Run
 from elutria.precision import Precision, d50_half_width
-from tests.test_tools_run import sweep
 
 FEW = ["system/simulationParameters:particles=400"]
 
