@@ -5,6 +5,7 @@
 #include "weights.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace elutria::dem
 {
@@ -191,7 +192,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     if (!onWall) fly(b, time);
     Traveller& ta = (*members_)[a];
     ImpactBody bodyA{ta.radius, 1/ta.mass, ta.flight.velocity, ta.spin}, bodyB;
-    Vector3 normal;
+    Vector3 normal, acceleration = ta.flight.acceleration;
     std::uint32_t other;
     if (onWall)
     {
@@ -204,6 +205,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
         bodyB = {tb.radius, 1/tb.mass, tb.flight.velocity, tb.spin};
         normal = box_.shortest(ta.flight.position - tb.flight.position);
         other = tb.material;
+        acceleration -= tb.flight.acceleration;
     }
     normal *= 1/norm(normal);
     const ImpactLaw& law = laws_(ta.material, other);
@@ -218,10 +220,14 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
         return Verdict::done;
     }
     if (busy && !forced_) return Verdict::crowded;
-    if (!collide(bodyA, bodyB, normal, law)) return Verdict::handOver;
+    if (!(closing > 0)) return Verdict::handOver;
+    const double lasts = law.duration(mass, radius, closing);
+    const double pressing = -dot(acceleration, normal)*lasts/closing;
+    if (std::abs(pressing) > ImpactLaw::mostPressing && !forced_) return Verdict::handOver;
+    if (!collide(bodyA, bodyB, normal, law, pressing)) return Verdict::handOver;
 
     ++impacts_;
-    const double over = time + law.duration(mass, radius, closing);
+    const double over = time + lasts;
     busyUntil_ = std::max(busyUntil_, over);
     sa.busyUntil = over;
     changed(a, bodyA);

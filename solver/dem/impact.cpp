@@ -22,9 +22,10 @@ struct Outcome
     double restitution, tangentialImpulse, duration;
 };
 
-/// One contact at unit stiffness, effective mass, radius and closing speed, sliding speed `ratio`.
+/// One contact at unit stiffness, effective mass, radius and closing speed, sliding speed `ratio`,
+/// under a constant acceleration `press` towards each other.
 template<ContactLaw law>
-Outcome integrate(const laws::Coefficients& coefficients, double ratio)
+Outcome integrate(const laws::Coefficients& coefficients, double ratio, double press)
 {
     laws::Coefficients c = coefficients;
     c.stiffness = 1;
@@ -32,7 +33,7 @@ Outcome integrate(const laws::Coefficients& coefficients, double ratio)
     const StepWeights weights{0.5*step, 0.5*step};
     ContactHistory history;
     double overlap = 0, closing = 1, sliding = ratio;
-    double push = 0, drag = 0;                 // accelerations at the end of the last step
+    double push = -press, drag = 0;            // accelerations at the end of the last step
     double impulse = 0;
     for (int i = 1; i < 100*stepsPerContact; ++i)
     {
@@ -41,9 +42,9 @@ Outcome integrate(const laws::Coefficients& coefficients, double ratio)
                                                step*push - closing}, 1, 1};
         const ContactForce f = contactForce<law>(c, e, history, weights);
         impulse += 0.5*step*(drag + f.tangential.x);
-        closing -= 0.5*step*(push + f.normal);
+        closing -= 0.5*step*(push + f.normal - press);
         sliding += 0.5*step*tangentialMobility*(drag + f.tangential.x);
-        push = f.normal;
+        push = f.normal - press;
         drag = f.tangential.x;
         if (!history.touching)
             return {-closing + 0.5*step*push, -impulse, i*step};
@@ -51,13 +52,13 @@ Outcome integrate(const laws::Coefficients& coefficients, double ratio)
     return {0, 0, 100*laws::pi};               // never apart again: not an impact
 }
 
-Outcome integrate(ContactLaw law, const laws::Coefficients& c, double ratio)
+Outcome integrate(ContactLaw law, const laws::Coefficients& c, double ratio, double press = 0)
 {
     switch (law)
     {
-        case ContactLaw::linear: return integrate<ContactLaw::linear>(c, ratio);
-        case ContactLaw::hertz: return integrate<ContactLaw::hertz>(c, ratio);
-        default: return integrate<ContactLaw::springSliderDashpot>(c, ratio);
+        case ContactLaw::linear: return integrate<ContactLaw::linear>(c, ratio, press);
+        case ContactLaw::hertz: return integrate<ContactLaw::hertz>(c, ratio, press);
+        default: return integrate<ContactLaw::springSliderDashpot>(c, ratio, press);
     }
 }
 
@@ -96,6 +97,10 @@ ImpactLaw::ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uin
     rolling_ = c.rolling;
     restitution_ = damped ? std::clamp(central.restitution, 0.0, 1.0)
                           : materials.pair(a, b).restitution;
+    // at the dashpots' own time scale; the integration's own error falls out of the difference
+    const double press = ImpactLaw::mostPressing/central.duration;
+    pressingSlope_ = (integrate(law, c, 0, press).restitution
+                      - integrate(law, c, 0, -press).restitution)/(2*ImpactLaw::mostPressing);
     applies_ = c.cohesion == 0 && c.rolling <= mostRolling && central.duration < 100
         && !(damped && (c.exponent != 1.5 || c.friction > 0));
     if (!applies_ || c.friction == 0) return;
@@ -132,7 +137,8 @@ ImpactTable::ImpactTable(ContactLaw law, const ContactMaterials& materials)
 }
 
 
-bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law)
+bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law,
+             double pressing)
 {
     const Vector3 relative = a.velocity - b.velocity
                              - cross(a.radius*a.spin + b.radius*b.spin, normal);
@@ -141,7 +147,7 @@ bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLa
     const double mass = 1/(a.inverseMass + b.inverseMass);
     const Vector3 sliding = relative + closing*normal;
     const double speed = norm(sliding);
-    const double push = (1 + law.restitution())*mass*closing;
+    const double push = (1 + law.restitution(pressing))*mass*closing;
 
     Vector3 tangential;
     if (speed > 0)

@@ -3,6 +3,7 @@
 #include "Settings.hpp"
 #include "Vector3.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,10 @@ namespace elutria::dem
 /// is integrated once for a table of s/c. Large s/c: gross sliding, T = friction*(1 + e) (Walton
 /// 1993); small s/c: the contact sticks and T = 2/7 (1 + b) s/c, b being the tangential
 /// restitution that the law's spring and dashpot amount to. All laws in use depend on s/c alone.
+///
+/// A force that presses the two together meanwhile (weight on a floor, drag) adds no energy, as it
+/// pushes as far in as out, but the damping takes more: e falls with g = acceleration*duration/c.
+/// The law's own slope de/dg serves up to g = mostPressing; beyond, the contact is no impact.
 class ImpactLaw
 {
 public:
@@ -30,6 +35,12 @@ public:
     /// rolling resistance so strong that it competes with the friction.
     bool applies() const { return applies_; }
     double restitution() const { return restitution_; }
+    /// Under a force that changes the closing speed by the share `pressing` while contact lasts.
+    double restitution(double pressing) const
+    {
+        return std::clamp(restitution_ + pressingSlope_*pressing, 0.0, 1.0);
+    }
+    static constexpr double mostPressing = 0.02;
     double rolling() const { return rolling_; }
 
     /// T above, for the ratio s/c >= 0.
@@ -46,7 +57,8 @@ public:
 
 private:
     bool applies_ = false, hertzian_ = false;
-    double restitution_ = 1, rolling_ = 0, stiffness_ = 1, dimensionlessTime_ = 1;
+    double restitution_ = 1, pressingSlope_ = 0;
+    double rolling_ = 0, stiffness_ = 1, dimensionlessTime_ = 1;
     double inverseSpacing_ = 0;
     std::vector<double> table_{0.0, 0.0};
 };
@@ -73,9 +85,10 @@ struct ImpactBody
     Vector3 velocity, spin;
 };
 
-/// Applies the impulse, and the rolling resistance after it; `normal` is the unit vector from b to a. Momentum and angular momentum are
-/// kept to rounding, kinetic energy never grows. Returns false, changing nothing, unless the two
-/// approach each other.
-bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law);
+/// Applies the impulse, and the rolling resistance after it; `normal` is the unit vector from b to
+/// a, `pressing` as in ImpactLaw::restitution. Momentum and angular momentum are kept to rounding,
+/// kinetic energy never grows. Returns false, changing nothing, unless the two approach each other.
+bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law,
+             double pressing = 0);
 
 } // namespace elutria::dem

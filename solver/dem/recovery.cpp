@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -12,7 +13,7 @@ namespace
 {
 
 constexpr double margin = 1.5;           // energy above the allowed one: a sub-step is not exact
-constexpr double neighbours = 12;        // spheres that a sphere of no smaller ones can touch
+constexpr std::size_t neighbours = 12;   // spheres that a sphere of no smaller ones can touch
 
 double kineticEnergy(const Particles& p)
 {
@@ -71,6 +72,7 @@ StepReport CheckedEngine::advance(Particles& particles, double duration, int ret
         {
             overlapKnown_ = true;
             overlap_ = report.largestOverlap;
+            contacts_ = report.touching + report.wallTouching;
             if (attempt > 0)
                 report.warnings.push_back("a step of the contacts was not sound and was taken "
                     "again with sub-steps of 1/" + std::to_string(1 << attempt)
@@ -120,12 +122,18 @@ double CheckedEngine::energyAllowed(const Particles& before, const Particles& af
             friction = std::max(friction, pair.friction);
         }
     }
-    // A contact counts for the smaller of the two: its radius bounds the effective one
+    // A contact counts for the smaller of the two: its radius bounds the effective one. The most
+    // that as many contacts can hold is with the largest particles.
+    std::vector<double> radius = before.radius;
+    std::sort(radius.begin(), radius.end(), std::greater<>());
     double held = 0;
-    for (const double r : before.radius)
+    for (std::size_t k = 0; k < std::min(contacts_, neighbours*radius.size()); ++k)
+    {
+        const double r = radius[k/neighbours];
         held += law == ContactLaw::linear ? 0.5*stiffness*overlap_*overlap_*r*r
                                           : 8.0/15*stiffness*std::pow(overlap_, 2.5)*r*r*r;
-    held *= neighbours*(1 + 2*friction*friction);        // with what tangential springs hold
+    }
+    held *= 1 + 2*friction*friction;                     // with what tangential springs hold
     return margin*(kineticEnergy(before) + held
                    + forcingWork(before, std::max(largestSpeed(before), largestSpeed(after)),
                                  duration));

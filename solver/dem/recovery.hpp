@@ -32,6 +32,7 @@ private:
     std::unique_ptr<Engine> engine_;
     bool overlapKnown_ = false;     // of the contacts at the start of the next call
     double overlap_ = 0;            // over the smaller radius
+    std::size_t contacts_ = 0;
 };
 
 } // namespace elutria::dem
