@@ -52,9 +52,9 @@ COLUMNS_SCENES = {"dilute column": 0.01, "default column": 0.2}
 def run(options: Options) -> None:
     """Run every scene with every choice; writes skip.csv, .png and .json.
 
-    `--option particles=N`: particles fed to a column (default 600, quick 150).
+    `--option particles=N`: particles fed to a column (default 300, quick 60).
     """
-    number = int(options.extra.get("particles", "150" if options.quick else "600"))
+    number = int(options.extra.get("particles", "60" if options.quick else "300"))
     rows: list[dict[str, Any]] = []
     for scene, loading in COLUMNS_SCENES.items():
         choices = {**TAKEN_BACK, ONE_WAY: {f"{CLOUD}:solution/coupled": "false"}}
@@ -79,7 +79,7 @@ def _column(
         "system/simulationParameters:loading": f"{loading:g}",
         "system/simulationParameters:parcels": "particles",
         "system/simulationParameters:particles": str(number),
-        "system/simulationParameters:drainTime": "1",
+        "system/simulationParameters:drainTime": "0.6",
         **settings,
     }
     before = _processor_time()
