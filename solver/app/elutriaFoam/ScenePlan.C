@@ -97,7 +97,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.005);
-    courant_ = readPositive(dict, "gasCourant", 20);
+    courant_ = readPositive(dict, "gasCourant", 5);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     if (retakes_ < 0)
     {
