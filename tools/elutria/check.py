@@ -122,7 +122,7 @@ def _expected(case: Case, feed: Feed, scene: Scene) -> Table:
     """Orders of magnitude, and which part of the work each of them decides."""
     table = _table("Expected (estimates), and what is skipped", "what", "number", "what follows")
     plan = case.path / "system/scenePlan"
-    tolerance = 0.005
+    tolerance = 0.01
     if plan.is_file():
         tolerance = case.dictionary("system/scenePlan").number("gasTolerance", tolerance, above=0)
     rates = f"{scene.feed_rate * 1e3:.3g} g/s, {scene.particle_rate:.3g} per s"

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "ScenePlan.H"
+#include "globalMeshData.H"
 
 namespace Foam
 {
@@ -77,6 +78,52 @@ ScenePlan::choice ScenePlan::readChoice
 }
 
 
+void ScenePlan::makeBlocks()
+{
+    const fvMesh& mesh = gas_.U().mesh();
+    const boundBox box(mesh.bounds());
+    const scalar edge =
+        cbrt(512*gSum(mesh.V())/mesh.globalData().nTotalCells());
+
+    Vector<label> counts;
+    for (direction axis = 0; axis < vector::nComponents; ++axis)
+    {
+        counts[axis] = max(label(1), label(ceil(box.span()[axis]/edge)));
+    }
+    blockOf_.resize(mesh.nCells());
+    forAll(blockOf_, celli)
+    {
+        Vector<label> place;
+        for (direction axis = 0; axis < vector::nComponents; ++axis)
+        {
+            const scalar share =
+                (mesh.C()[celli][axis] - box.min()[axis])
+               /max(box.span()[axis], VSMALL);
+            place[axis] = min
+            (
+                max(label(share*counts[axis]), label(0)), counts[axis] - 1
+            );
+        }
+        blockOf_[celli] =
+            place.x() + counts.x()*(place.y() + counts.y()*place.z());
+    }
+    lastForce_ = vectorField(counts.x()*counts.y()*counts.z(), Zero);
+}
+
+
+vectorField ScenePlan::blockSums(const volVectorField& force) const
+{
+    vectorField sums(lastForce_.size(), Zero);
+    forAll(blockOf_, celli)
+    {
+        sums[blockOf_[celli]] += force[celli]*force.mesh().V()[celli];
+    }
+    Pstream::listCombineGather(sums, plusEqOp<vector>());
+    Pstream::listCombineScatter(sums);
+    return sums;
+}
+
+
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
@@ -85,7 +132,6 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     interval_(1),
     toldInterval_(1),
     since_(0),
-    lastForce_(gas.U().size(), Zero),
     solves_(0),
     sleeps_(0),
     largestSpared_(0),
@@ -93,10 +139,11 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     lapStart_(clock::now()),
     steps_(0)
 {
+    makeBlocks();
     const dictionary dict(readSettings(runTime));
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
-    tolerance_ = readPositive(dict, "gasTolerance", 0.005);
+    tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     if (retakes_ < 0)
@@ -134,9 +181,8 @@ bool ScenePlan::gasNeeded(const volVectorField& force)
         return true;
     }
 
-    const scalarField& V = gas_.U().mesh().V();
     const scalar moved =
-        gSum(mag(force.primitiveField() - lastForce_)*V)/gSum(V);
+        sum(mag(blockSums(force) - lastForce_))/gSum(gas_.U().mesh().V());
     const scalar spared =
         moved*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed());
 
@@ -155,7 +201,7 @@ void ScenePlan::gasSolved(const volVectorField& force, const scalar change)
 {
     ++solves_;
     since_ = 0;
-    lastForce_ = force.primitiveField();
+    lastForce_ = blockSums(force);
 
     if (change < 0.5*tolerance_)
     {

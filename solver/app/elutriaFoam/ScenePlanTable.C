@@ -163,7 +163,7 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
     row
     (
         "gas beforehand", convergeGas_ ? "settles without feed" : "skipped",
-        "to " + percent(0.2*tolerance_) + " a passage"
+        "to " + percent(0.1*tolerance_) + " a passage"
     );
     const bool dispersed = cloud.dispersion().active();
     row

@@ -154,7 +154,7 @@ void run(const argList& args)
     {
         gas.converge
         (
-            cloud.exchange(), plan.courant(), 0.2*plan.tolerance(),
+            cloud.exchange(), plan.courant(), 0.1*plan.tolerance(),
             plan.retakes()
         );
     }
