@@ -343,7 +343,7 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
     }
 
     std::ofstream os(file_, std::ios::app);
-    os << std::setprecision(12);
+    os << std::setprecision(17);
     writeRows(os, rows);
     os.flush();
     if (!os)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "Engine.hpp"
+#include "newcomers.hpp"
 
 #include <memory>
 #include <string>
@@ -11,7 +12,8 @@ namespace elutria::dem
 /// Moves particles as an Engine does, and checks each call's result: all values finite, and no more
 /// kinetic energy than the particles had, the forcing can have given them and the contacts can have
 /// held. A call that fails is made again from the state before it with half the sub-step, which is
-/// kept from then on.
+/// kept from then on. With the soft law for all, spheres that enter are made room for first (the
+/// other treatments do so themselves).
 class CheckedEngine
 {
 public:
@@ -30,6 +32,7 @@ private:
     void refine(const std::vector<ContactRecord>& history);
 
     std::unique_ptr<Engine> engine_;
+    Newcomers newcomers_;
     bool overlapKnown_ = false;     // of the contacts at the start of the next call
     double overlap_ = 0;            // over the smaller radius
     std::size_t contacts_ = 0;

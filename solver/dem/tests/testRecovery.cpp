@@ -87,6 +87,19 @@ TEST_CASE("a sound step is the engine's own")
     CHECK(crowd.particles.velocity.z == plain.particles.velocity.z);
 }
 
+TEST_CASE("a sphere that enters within another gives no energy")
+{
+    Crowd crowd(0);
+    CheckedEngine engine = crowd.engine();
+    engine.advance(crowd.particles, 2e-4, 0);
+    const double before = kineticEnergy(crowd.particles);
+    Particles& p = crowd.particles;
+    for (int k = 0; k < 3; ++k)
+        addSphere(p, p.position[40*std::size_t(k)] + Vector3{1e-4, 0, 5e-5}, 4e-4, 2650);
+    for (int k = 0; k < 20; ++k) engine.advance(p, 2e-4, 0);
+    CHECK(kineticEnergy(p) < 1.02*before);
+}
+
 TEST_CASE("what stays unsound ends with the state before it")
 {
     Crowd crowd(1e-4);

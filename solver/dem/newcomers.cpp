@@ -1,0 +1,55 @@
+#include "newcomers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+constexpr int mostMoves = 20;
+constexpr double clearance = 1e-9;           // of the overlap
+
+/// One move out of every wall and sphere that `i` overlaps; false when there was none.
+bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox& box)
+{
+    const Vector3 before = p.position[i];
+    Vector3 place = before;
+    std::vector<WallContact> contacts;
+    walls.contacts(place, p.radius[i], 0, contacts);
+    for (const WallContact& c : contacts)
+        if (c.gap < 0) place -= c.gap*(1 + clearance)*c.normal;
+    for (std::size_t j = 0; j < p.size(); ++j)
+    {
+        if (j == i) continue;
+        const Vector3 apart = box.shortest(place - p.position[j]);
+        const double sum = p.radius[i] + p.radius[j], distance2 = squaredNorm(apart);
+        if (distance2 >= sum*sum) continue;
+        const double distance = std::sqrt(distance2);
+        const Vector3 direction = distance > 0 ? (1/distance)*apart : Vector3{0, 0, 1};
+        place += (sum - distance)*(1 + clearance)*direction;
+    }
+    p.position.set(i, box.wrapped(place));
+    return squaredNorm(place - before) > 0;
+}
+
+} // namespace
+
+
+void Newcomers::place(Particles& particles, const Walls& walls, const PeriodicBox& box)
+{
+    std::uint64_t latest = latest_;
+    for (std::size_t i = 0; i < particles.size(); ++i)
+    {
+        if (particles.id[i] > latest_ && !first_)
+            for (int move = 0; move < mostMoves && moveOut(particles, i, walls, box); ++move) {}
+        latest = std::max(latest, particles.id[i]);
+    }
+    latest_ = latest;
+    first_ = first_ && particles.size() == 0;
+}
+
+} // namespace elutria::dem
