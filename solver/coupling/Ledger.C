@@ -86,7 +86,7 @@ void Ledger::trim(const fileName& file, const scalar time)
         }
 
         kept << line << '\n';
-        const scalar number = std::atof(cell[6].c_str());
+        const scalar number = feed_.number(id);
         left_[product - feed_.products().begin()][feed_.materialOf(id)].add
         (
             number,
@@ -232,7 +232,8 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
             {
                 outlets[i] = total(left_[i]);
             }
-            os  << "{\n  \"time_s\": " << time
+            // Sums close to 1e-12
+            os  << std::setprecision(15) << "{\n  \"time_s\": " << time
                 << ",\n  \"seed\": " << feed_.seedEntry()
                 << ",\n  \"total\": ";
             account(os, total(injected_), outlets, total(inside));
@@ -343,7 +344,7 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
     }
 
     std::ofstream os(file_, std::ios::app);
-    os << std::setprecision(17);
+    os << std::setprecision(12);
     writeRows(os, rows);
     os.flush();
     if (!os)
