@@ -79,8 +79,7 @@ struct State
         bed = z[std::size_t(0.95*double(p.size()))];
         for (std::size_t i = 0; i < p.size(); ++i)
         {
-            energy += 0.5*p.mass[i]*(squaredNorm(p.velocity[i])
-                                     + 0.4*p.radius[i]*p.radius[i]*squaredNorm(p.spin[i]));
+            energy += 0.5*p.mass[i]*squaredNorm(p.velocity[i]);      // without spin
             mean += z[i]/double(p.size());
         }
     }
@@ -122,13 +121,13 @@ int runBox(const Options& o)
         const double took = seconds() - start, used = processorSeconds() - startProcessor;
         done += now;
         const State state(p);
-        std::printf("{\"step\": %zu, \"time_s\": %.6g, \"wall_s\": %.6g, "
+        std::printf("{\"step\": %zu, \"time_s\": %.6g, \"wall_s\": %.6g, \"cpu_s\": %.6g, "
                     "\"us_per_particle_step\": %.5g, "
                     "\"cpu_us_per_particle_step\": %.5g, \"kinetic_energy_J\": %.9g, "
                     "\"mean_height_m\": %.9g, \"bed_height_m\": %.6g, \"coordination\": %.4g, "
                     "\"candidates_per_particle\": %.4g, \"list_builds\": %zu, "
                     "\"engine_bytes_per_particle\": %.4g, \"process_bytes_per_particle\": %.4g}\n",
-                    done, double(done)*step, took, 1e6*took/double(now*count),
+                    done, double(done)*step, took, used, 1e6*took/double(now*count),
                     1e6*used/double(now*count), state.energy,
                     state.mean, state.bed + diameter/2, 2.0*double(r.touching)/double(count),
                     double(r.candidates)/double(count), r.listBuilds,

@@ -3,8 +3,8 @@
 25 000 spheres of 2.5 mm in 75 x 75 mm (periodic) x 250 mm, Hertz with tangential history,
 E 1e7 Pa, nu 0.35, restitution 0.9, friction 0.1, density 2526 kg/m3, step 1e-5 s: 10 000 steps of
 falling and 10 000 mostly settled, one core each. The peers get inputs written here, with the same
-stiffness. LAMMPS' fast pair style takes a damping constant instead of the restitution; it is set to
-the one that gives 0.9 at 1 m/s.
+stiffness. Times are of the processor. LAMMPS' fast pair style takes a damping constant instead of
+the restitution; it is set to the one that gives 0.9 at 1 m/s.
 Options: steps=10000 (of each of the two stages), particles=25000, lammps=FOLDER (with lmp and, if
 it needs them, libraries).
 """
@@ -38,6 +38,7 @@ COLUMNS = (
     "code",
     "stage",
     "us_per_particle_step",
+    "wall_us_per_particle_step",
     "particle_steps_per_second",
     "memory_bytes_per_particle",
     "kinetic_energy_J",
@@ -61,10 +62,12 @@ class Stage:
     code: str
     stage: str
     seconds: float
+    """Of the processor: other programs on the machine count for less."""
+    wall_seconds: float
     memory: float
     kinetic_energy: float
-    mean_height: float = math.nan
-    coordination: float = math.nan
+    mean_height: float
+    coordination: float
 
 
 def run(options: Options) -> None:
@@ -113,6 +116,7 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
                     "code": code,
                     "stage": stage,
                     "us_per_particle_step": 1e6 * seconds / work,
+                    "wall_us_per_particle_step": 1e6 * median(s.wall_seconds for s in mine) / work,
                     "particle_steps_per_second": work / seconds,
                     "memory_bytes_per_particle": median(s.memory for s in mine) / particles,
                     "kinetic_energy_J": mine[-1].kinetic_energy,
@@ -140,6 +144,7 @@ def run_elutria(particles: int, steps: int) -> list[Stage]:
         Stage(
             "elutria",
             stage,
+            line["cpu_s"],
             line["wall_s"],
             line["process_bytes_per_particle"] * particles,
             line["kinetic_energy_J"],
@@ -157,35 +162,59 @@ def run_peer(
 ) -> list[Stage]:
     """Both stages through LIGGGHTS or LAMMPS with an input written here."""
     write = liggghts_input if code == "liggghts" else lammps_input
+    lines: list[str] = []
+    used: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "in.box").write_text(write(particles, steps))
-        done = subprocess.run(
-            [*command, "-in", "in.box"],
+        with subprocess.Popen(
+            ["stdbuf", "-oL", *command, "-in", "in.box"],
             cwd=folder,
             env={**os.environ, "OMP_NUM_THREADS": "1", **environment},
-            capture_output=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
             text=True,
-            check=False,
-        )
-        if done.returncode != 0:
-            raise ElutriaError(f"{code} failed: {(done.stdout + done.stderr).strip()[-200:]}")
-    return read_peer(code, done.stdout)
+        ) as process:
+            assert process.stdout is not None
+            start = 0.0
+            for line in process.stdout:
+                lines.append(line)
+                if re.match(r"\s*Step\s+Atoms", line):
+                    start = processor_seconds(process.pid)
+                if line.startswith("Loop time"):
+                    used.append(processor_seconds(process.pid) - start)
+        if process.returncode != 0:
+            raise ElutriaError(f"{code} failed: {''.join(lines).strip()[-200:]}")
+    return read_peer(code, "".join(lines), used)
 
 
-def read_peer(code: str, log: str) -> list[Stage]:
+def processor_seconds(process: int) -> float:
+    """Processor time that a running process has used, s."""
+    fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def read_peer(code: str, log: str, used: list[float]) -> list[Stage]:
     """The last two runs of a log: loop times, memory, and the last line of thermo output."""
     loops = [float(x) for x in re.findall(r"Loop time of ([0-9.eE+-]+)", log)][-2:]
     memory = [float(x) for x in re.findall(r"Memory usage per processor = ([0-9.eE+-]+)", log)]
     memory += [
         float(x) for x in re.findall(r"Per MPI rank memory.*= [0-9.eE+-]+ \| ([0-9.eE+-]+)", log)
     ]
-    last_lines = re.findall(r"^\s*\d+\s+\d+\s+([0-9.eE+-]+)\s+([0-9.eE+-]+).*\n\s*Loop", log, re.M)
+    number = r"\s+([0-9.eE+-]+)"
+    last_lines = re.findall(rf"^\s*\d+\s+\d+{number * 3}.*\n\s*Loop", log, re.MULTILINE)
     if len(loops) != 2 or len(last_lines) < 2:
         raise ElutriaError(f"{code}: its log holds no two runs")
     return [
-        Stage(code, stage, seconds, (memory or [math.nan])[-1] * 2**20, float(energy), float(mean))
-        for stage, seconds, (energy, mean) in zip(
-            ("falling", "settled"), loops, last_lines[-2:], strict=True
+        Stage(
+            code,
+            stage,
+            processor,
+            seconds,
+            (memory or [math.nan])[-1] * 2**20,
+            *(float(value) for value in values),
+        )
+        for stage, processor, seconds, values in zip(
+            ("falling", "settled"), used[-2:], loops, last_lines[-2:], strict=True
         )
     ]
 
@@ -250,9 +279,11 @@ set group all diameter {2 * RADIUS}
 set group all density {DENSITY}
 velocity all set 0 0 -0.1
 fix motion all nve/sphere
+compute touching all contact/atom
+compute touches all reduce ave c_touching
 variable height equal xcm(all,z)
 thermo {steps}
-thermo_style custom step atoms ke v_height
+thermo_style custom step atoms ke v_height c_touches
 thermo_modify lost ignore norm no
 run {steps}
 run {steps}
@@ -290,8 +321,10 @@ region start block 0 {width} 0 {width} 0.002 {HEIGHT - 0.002} units box
 fix feed all insert/pack seed 32452843 distributiontemplate grains vel constant 0. 0. -0.1 &
     insert_every once overlapcheck yes all_in yes particles_in_region {particles} region start
 fix motion all nve/sphere
+compute touching all contact/atom
+compute touches all reduce ave c_touching
 variable height equal xcm(all,z)
-thermo_style custom step atoms ke v_height
+thermo_style custom step atoms ke v_height c_touches
 thermo {steps}
 thermo_modify lost ignore norm no
 run 1
@@ -313,6 +346,6 @@ def figure(rows: list[dict[str, Any]]) -> Figure:
         for place, value in zip(places, values, strict=True):
             axes.annotate(f"{value:.3f}", (place, value), ha="center", va="bottom", fontsize=6)
     axes.set_xticks(range(len(codes)), codes)
-    axes.set_ylabel("time per particle and step (µs)")
+    axes.set_ylabel("processor time per particle and step (µs)")
     axes.legend()
     return drawing
