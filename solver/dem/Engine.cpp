@@ -18,6 +18,7 @@ struct Engine::Implementation
     LawTable laws;
     SoftIntegrator soft;
     Hybrid hybrid;
+    bool separationTold = false;       // a feed may do so in every step: once will do
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
@@ -33,6 +34,8 @@ struct Engine::Implementation
 
 namespace
 {
+
+constexpr double mostSizeRatio = 1 << 20;
 
 void check(const Settings& s)
 {
@@ -77,8 +80,10 @@ void check(const Particles& p, std::size_t materials)
     {
         return std::isfinite(v.x + v.y + v.z);
     };
+    double smallest = 1e300, largest = 0;
     for (std::size_t i = 0; i < n; ++i)
     {
+        smallest = std::min(smallest, p.radius[i]), largest = std::max(largest, p.radius[i]);
         const auto of = [&](const char* what)
         {
             return std::string(what) + " of particle " + std::to_string(p.id[i]);
@@ -97,6 +102,29 @@ void check(const Particles& p, std::size_t materials)
         if (!p.dragRate.empty() && !(p.dragRate[i] >= 0 && std::isfinite(p.dragRate[i])))
             throw std::invalid_argument(of("dragRate") + " is " + std::to_string(p.dragRate[i])
                                         + "; allowed: 0 1/s or more");
+    }
+    if (largest > mostSizeRatio*smallest)
+    {
+        throw std::invalid_argument("radius ratio of largest and smallest particle is "
+            + std::to_string(largest/smallest) + "; allowed: up to "
+            + std::to_string(std::size_t(mostSizeRatio)) + ", what the levels of cells span");
+    }
+}
+
+void warn(const Settings& settings, StepReport& report, bool& separationTold)
+{
+    if (report.largestOverlap > settings.largestOverlap)
+    {
+        report.warnings.push_back("overlap of " + std::to_string(100*report.largestOverlap)
+            + " % of the radius is above " + std::to_string(100*settings.largestOverlap)
+            + " %: the contacts are too soft for these speeds, or particles started in each other");
+    }
+    if (report.separated > 0 && !separationTold)
+    {
+        separationTold = true;
+        report.warnings.push_back(std::to_string(report.separated) + " overlaps at the start of the "
+            "step were nobody's contact, and were moved apart: particles are put into each other "
+            "or into a wall");
     }
 }
 
@@ -131,14 +159,18 @@ StepReport Engine::advance(Particles& particles, double duration)
     }
     check(particles, self_->materials.size());
     StepReport report;
-    if (!self_->softOnly())
+    if (self_->softOnly())
+    {
+        const double limit =
+            self_->settings.step > 0 ? self_->settings.step : stepLimit(particles);
+        const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
+        self_->soft.run(particles, duration, std::size_t(steps), report);
+    }
+    else
     {
         self_->hybrid.advance(particles, duration, report);
-        return report;
     }
-    const double limit = self_->settings.step > 0 ? self_->settings.step : stepLimit(particles);
-    const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
-    self_->soft.run(particles, duration, std::size_t(steps), report);
+    warn(self_->settings, report, self_->separationTold);
     return report;
 }
 
@@ -191,6 +223,23 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
         }
     }
     return settings.stepFraction*shortest;
+}
+
+double Engine::expectedOverlap(double radius, double density, double speed) const
+{
+    const double mass = 0.5*density*4.0/3*laws::pi*radius*radius*radius;
+    double deepest = 0;
+    for (std::uint32_t a = 0; a < self_->materials.size(); ++a)
+    {
+        for (std::uint32_t b = 0; b <= a; ++b)
+        {
+            const double stiffness = self_->laws(a, b).stiffness;
+            deepest = std::max(deepest, self_->settings.law == ContactLaw::linear
+                ? laws::linearOverlap(stiffness, mass, speed)
+                : laws::hertzOverlap(stiffness, radius/2, mass, speed));
+        }
+    }
+    return deepest/radius;
 }
 
 const Settings& Engine::settings() const { return self_->settings; }

@@ -78,6 +78,10 @@ public:
     /// pair that can meet at the given relative speed (m/s; 0: the particles' largest).
     double stepLimit(const Particles& particles, double speed = 0) const;
 
+    /// Largest overlap over radius of two equal spheres that meet head-on at a relative speed, m/s,
+    /// without damping, for the softest pair of materials: known before time is spent.
+    double expectedOverlap(double radius, double density, double speed) const;
+
     const Settings& settings() const;
     const ContactMaterials& materials() const;
     const Walls& walls() const;

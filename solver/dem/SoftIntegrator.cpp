@@ -257,12 +257,6 @@ void SoftIntegrator::run(Particles& particles, double duration, std::size_t subS
     report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
                                       atWalls_.takeLargestOverlap()});
     report.bytes = bytes();
-    if (report.largestOverlap > settings_.largestOverlap)
-    {
-        report.warnings.push_back("overlap of " + std::to_string(100*report.largestOverlap)
-            + " % of the radius is above " + std::to_string(100*settings_.largestOverlap)
-            + " %: the contacts are too soft for these speeds, or particles started in each other");
-    }
 }
 
 void SoftIntegrator::contactForces(const Particles& particles, double step, VectorArray& force,

@@ -25,6 +25,7 @@ double EventDriven::run(std::vector<Traveller>& members, double begin, double en
 {
     members_ = &members, legs_ = &legs, end_ = end;
     impacts_ = 0;
+    largestOverlap_ = 0;
     busyUntil_ = begin;
     queue_.clear();
     states_.assign(members.size(), {});
@@ -227,6 +228,8 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     if (!collide(bodyA, bodyB, normal, law, pressing)) return Verdict::handOver;
 
     ++impacts_;
+    largestOverlap_ = std::max(largestOverlap_, law.depth(lasts, closing)
+                                                /(onWall ? radius : 2*radius));
     const double over = time + lasts;
     busyUntil_ = std::max(busyUntil_, over);
     sa.busyUntil = over;

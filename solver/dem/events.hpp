@@ -72,6 +72,8 @@ public:
                std::vector<std::vector<Leg>>& legs);
 
     std::size_t impacts() const { return impacts_; }
+    /// That the impacts would have had, over the radius.
+    double largestOverlap() const { return largestOverlap_; }
 
 private:
     static constexpr std::uint32_t wall = 0xffffffffu;
@@ -127,6 +129,7 @@ private:
     const PeriodicBox& box_;
     bool forced_;
     std::size_t impacts_ = 0;
+    double largestOverlap_ = 0;
 
     std::vector<Traveller>* members_ = nullptr;
     std::vector<std::vector<Leg>>* legs_ = nullptr;

@@ -60,6 +60,7 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
             const Stopwatch watch(island.impactSeconds);
             time = events_.run(island.end, time, duration, island.legs);
             island.impacts += events_.impacts();
+            island.largestOverlap = std::max(island.largestOverlap, events_.largestOverlap());
         }
         if (time >= duration) break;
         const Stopwatch watch(island.softSeconds);

@@ -10,6 +10,7 @@
 #include <new>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 using namespace scenes;
@@ -374,18 +375,42 @@ TEST_SUITE("engine")
         CHECK(message([&] { small.advance(p, 1e-3); }).find("periodic box") == 0);
     }
 
-    TEST_CASE("deep overlaps are reported with the number")
+    TEST_CASE("deep overlaps are reported with the number, and expected before")
     {
         PairProperties pair;
-        pair.restitution = 0.9;
+        pair.restitution = 1, pair.friction = 0, pair.normalStiffness = 1e3;
+        for (const ContactLaw law : {ContactLaw::hertz, ContactLaw::linear})
+        {
+            for (const auto treatment : {ContactTreatment::soft, ContactTreatment::automatic})
+            {
+                Particles p;
+                addSphere(p, {0, 0, 0}, 1e-3, 2500);
+                addSphere(p, {2.1e-3, 0, 0}, 1e-3, 2500);
+                p.velocity.set(1, {-5, 0, 0});
+                Settings settings = soft(law);
+                settings.treatment = treatment;
+                Engine engine(settings, oneMaterial(pair, 1e6));
+                const StepReport r = engine.advance(p, 3e-3);
+                REQUIRE(r.warnings.size() == 1);
+                CHECK(r.warnings[0].find("overlap of ") == 0);
+                CHECK(r.largestOverlap
+                      == doctest::Approx(engine.expectedOverlap(1e-3, 2500, 5)).epsilon(0.01));
+            }
+        }
+    }
+
+    TEST_CASE("spheres put into each other are moved apart and told; sizes too far apart refused")
+    {
+        Settings settings;
+        Engine engine(settings, oneMaterial({}));
         Particles p;
         addSphere(p, {0, 0, 0}, 1e-3, 2500);
-        addSphere(p, {2.1e-3, 0, 0}, 1e-3, 2500);
-        p.velocity.set(1, {-20, 0, 0});
-        Engine engine(soft(), oneMaterial(pair, 1e6));
-        const StepReport r = engine.advance(p, 1e-4);
-        CHECK(r.largestOverlap > 0.05);
+        addSphere(p, {1.5e-3, 0, 0}, 1e-3, 2500);
+        const StepReport r = engine.advance(p, 1e-3);
+        CHECK(r.separated == 1);
         REQUIRE(r.warnings.size() == 1);
-        CHECK(r.warnings[0].find("overlap") != std::string::npos);
+        CHECK(r.warnings[0].find("1 overlaps") == 0);
+        addSphere(p, {1, 0, 0}, 1e-10, 2500);
+        CHECK_THROWS_AS(engine.advance(p, 1e-3), std::invalid_argument);
     }
 }

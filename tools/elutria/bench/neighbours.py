@@ -1,6 +1,7 @@
 """Neighbour search: time per step against the number of particles, for every method.
 
-Two scenes: a two-dimensional random walk, and a three-dimensional column ten times as high as wide.
+Two scenes: a two-dimensional random walk, and a three-dimensional column ten times as high as wide;
+the latter also with a size ratio of 20 at equal mass per size decade. Times are of the processor.
 Options: largest=1000000 (particles; bruteForce stops at 10 000), seconds=0.5 per point.
 With largest=10000000 it goes one decade further.
 """
@@ -27,9 +28,10 @@ COLUMNS = (
     "scene",
     "method",
     "layers",
+    "size_ratio",
     "particles",
     "s_per_step",
-    "cpu_s_per_step",
+    "wall_s_per_step",
     "pairs_per_particle",
     "memory_bytes_per_particle",
 )
@@ -46,6 +48,8 @@ FRAME = 1 / 30
 PAPER = {"full search": 150, "cells": 600}
 """Particles in real time in the paper that this project started from."""
 BRUTE_FORCE_MOST = 10_000
+WIDE = 20
+"""Largest over smallest diameter of the polydisperse column."""
 
 
 def run(options: Options) -> None:
@@ -59,6 +63,13 @@ def run(options: Options) -> None:
             for particles in numbers(most):
                 rows.append(measure(scene, method, layers, particles, seconds, options.repeats))
             options.say(f"{scene} {label(method, layers)}: {summary(rows, scene, method, layers)}")
+    wide = [
+        measure("column", "hierarchical", 1, min(largest, 100_000), seconds, options.repeats, ratio)
+        for ratio in (1, WIDE)
+    ]
+    rows.append(wide[1])
+    polydispersity = wide[1]["s_per_step"] / wide[0]["s_per_step"]
+    options.say(f"column, size ratio {WIDE}: {polydispersity:.2f} of the time of equal spheres")
     exponents = {
         f"{scene} {label(method, layers)}": exponent(of(rows, scene, method, layers))
         for scene in ("walk", "column")
@@ -72,6 +83,7 @@ def run(options: Options) -> None:
             for method, layers in METHODS
         },
         "paper_real_time_particles": PAPER,
+        "size_ratio_20_over_equal_spheres": polydispersity,
     }
     with mpl.rc_context(STYLE):
         write_result(options, NAME, COLUMNS, rows, figure(rows), notes)
@@ -84,7 +96,13 @@ def numbers(most: int) -> list[int]:
 
 
 def measure(
-    scene: str, method: str, layers: int, particles: int, seconds: float, repeats: int
+    scene: str,
+    method: str,
+    layers: int,
+    particles: int,
+    seconds: float,
+    repeats: int,
+    ratio: int = 1,
 ) -> dict[str, Any]:
     """One point: the median of several runs."""
     runs = [
@@ -98,6 +116,7 @@ def measure(
                     f"layers={layers}",
                     f"particles={particles}",
                     f"seconds={seconds}",
+                    f"ratio={ratio}",
                 ]
             )
         )
@@ -107,9 +126,10 @@ def measure(
         "scene": scene,
         "method": method,
         "layers": layers,
+        "size_ratio": ratio,
         "particles": particles,
-        "s_per_step": median(r["wall_s_per_step"] for r in runs),
-        "cpu_s_per_step": median(r["cpu_s_per_step"] for r in runs),
+        "s_per_step": median(r["cpu_s_per_step"] for r in runs),
+        "wall_s_per_step": median(r["wall_s_per_step"] for r in runs),
         "pairs_per_particle": runs[-1]["pairs_per_particle"],
         "memory_bytes_per_particle": runs[-1]["process_bytes_per_particle"],
     }
@@ -119,8 +139,9 @@ def of(
     rows: Sequence[dict[str, Any]], scene: str, method: str, layers: int
 ) -> list[dict[str, Any]]:
     """The rows of one curve."""
-    wanted = (scene, method, layers)
-    return [r for r in rows if (r["scene"], r["method"], r["layers"]) == wanted]
+    wanted = (scene, method, layers, 1)
+    names = ("scene", "method", "layers", "size_ratio")
+    return [r for r in rows if tuple(r[name] for name in names) == wanted]
 
 
 def exponent(rows: Sequence[dict[str, Any]]) -> float:
@@ -176,6 +197,6 @@ def figure(rows: Sequence[dict[str, Any]]) -> Figure:
             axes.plot(count, FRAME, marker, color="k", label=f"paper, {name}: {count}")
         axes.set_xlabel("number of particles")
         axes.set_title("2D random walk" if scene == "walk" else "3D column", fontsize=8)
-    panels[0].set_ylabel("wall time per step (s)")
+    panels[0].set_ylabel("processor time per step (s)")
     panels[0].legend()
     return drawing
