@@ -10,8 +10,10 @@
 #include "search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <random>
 
 using namespace elutria::dem;
@@ -47,12 +49,32 @@ struct Scene
             x.push_back(width*uniform(random)), y.push_back(width*uniform(random));
             z.push_back(box.high.z*uniform(random));
         }
+        sortBySpace();
         const double least = 4*(*std::max_element(radius.begin(), radius.end())) + 4;
         for (int a = 0; a < 3; ++a)
         {
             if (box.high[a] < least) box.periodic[a] = false;
         }
     }
+    /// Neighbours in space close in memory, as the engine keeps its particles.
+    void sortBySpace()
+    {
+        constexpr double width = 8;
+        const auto key = [&](std::size_t i)
+        {
+            return std::array<int, 3>{int(z[i]/width), int(y[i]/width), int(x[i]/width)};
+        };
+        std::vector<std::size_t> order(x.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::sort(order.begin(), order.end(),
+                  [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+        for (std::vector<double>* values : {&x, &y, &z, &radius})
+        {
+            const std::vector<double> before = *values;
+            for (std::size_t k = 0; k < order.size(); ++k) (*values)[k] = before[order[k]];
+        }
+    }
+
     /// One random step of every particle, up to `most` in each direction.
     void move(double most)
     {

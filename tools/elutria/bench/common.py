@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 import platform
+import re
 import statistics
 import subprocess
 import sys
@@ -123,7 +124,7 @@ def machine() -> dict[str, Any]:
         "compiler": _first_line(["g++", "--version"]),
         "openfoam": os.environ.get("WM_PROJECT_VERSION", "not set"),
         "commit": _first_line(["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]),
-        "command": " ".join(["elutria", *sys.argv[1:]]),
+        "command": " ".join(["elutria", *(_portable(a) for a in sys.argv[1:])]),
     }
 
 
@@ -141,6 +142,11 @@ def write_result(
     if figure is not None:
         save(figure, options.folder / f"{name}.png")
     options.say(f"{options.folder / name}.csv")
+
+
+def _portable(argument: str) -> str:
+    """The argument, with a path of this machine alone left out."""
+    return re.sub(r"(^|=)/.*", r"\1PATH", argument)
 
 
 def _processor() -> str:
