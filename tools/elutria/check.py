@@ -50,9 +50,10 @@ def _setting(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
         table.add_row("loading", f"{feed.loading:g} kg solids per kg gas", "constant/feed")
     else:
         table.add_row("feed rate", f"{feed.mass_flow_rate:g} kg/s", "constant/feed")
+    table.add_row("parcels", feed.parcels, "constant/feed")
     until = [] if feed.duration == inf else [f"{feed.duration:g} s"]
-    until += [] if feed.particles is None else [f"{feed.particles} particles"]
-    table.add_row("fed until", " or ".join(until), "constant/feed")
+    until += [] if feed.particles is None else [f"{feed.particles} parcels"]
+    table.add_row("fed until", (" and " if feed.spread else " or ").join(until), "constant/feed")
     table.add_row("seed", str(feed.seed), "constant/feed")
     return table
 
@@ -128,7 +129,7 @@ def _expected(case: Case, feed: Feed, scene: Scene) -> Table:
     rates = f"{scene.feed_rate * 1e3:.3g} g/s, {scene.particle_rate:.3g} per s"
     table.add_row("feed", _known(scene.feed_rate, rates), "")
     if feed.particles is not None:
-        seconds = feed.particles / scene.particle_rate
+        seconds = feed.duration if feed.spread else feed.particles / scene.particle_rate
         table.add_row("time to feed all", _known(seconds, f"{seconds:.3g} s"), "of process time")
     inside = f"{scene.inside:.3g} after {scene.residence:.2g} s each"
     table.add_row("particles inside", _known(scene.inside, inside), "")

@@ -60,6 +60,11 @@ class Feed:
         """Largest diameter fed, m."""
         return max(material.sizes.largest for material in self.materials)
 
+    @property
+    def spread(self) -> bool:
+        """Whether the parcels are spread over the duration (they stand for several particles)."""
+        return self.parcels != "particles" and self.duration != inf and self.particles is not None
+
     def mean_particle_mass(self) -> float:
         """Mass (kg) of the feed over its number of particles."""
         number_per_mass = sum(
