@@ -171,10 +171,17 @@ void ElutriaCloud::sampleGas
         (
             p, td, dt, mass, p.Re(td), td.muc()
         );
-        inertialDispersion_->relaxationTime = massEff/max(mean.Sp(), VSMALL);
+        const forceSuSp rest = forces().calcNonCoupled
+        (
+            p, td, dt, mass, p.Re(td), td.muc()
+        );
+        const scalar dragRate = max(mean.Sp(), VSMALL);
+        inertialDispersion_->relaxationTime = massEff/dragRate;
+        inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
     }
     seedRandom(p);
     p.calcDispersion(*this, td, dt);
+    seeUndisturbedGas(p, td, dt);
 
     const forceSuSp free = forces().calcNonCoupled
     (
@@ -318,6 +325,8 @@ ElutriaCloud::ElutriaCloud
     window_(0),
     retakes_(0),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
+    ownWake_(particleProperties().subOrEmptyDict("ownWake")),
+    wakeInGas_(false),
     theta_
     (
         IOobject

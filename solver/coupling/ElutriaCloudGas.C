@@ -24,6 +24,52 @@ scalar ElutriaCloud::response(const label k) const
 }
 
 
+void ElutriaCloud::seeUndisturbedGas
+(
+    const parcelType& p,
+    trackingData& td,
+    const scalar dt
+)
+{
+    const bool solvedLastStep = wakeInGas_ && window_ < 1.5*dt;
+    if (!ownWake_.corrects() || !solvedLastStep)
+    {
+        return;
+    }
+
+    const scalar cellVolume = mesh().V()[p.cell()];
+    const scalar cellSize = cbrt(cellVolume);
+    const scalar kernel = kernel_.active() ? kernel_.width() : 0;
+    const scalar width = OwnWake::width(kernel, cellSize);
+
+    const scalar volume = p.nParticle()*p.volume();
+    const scalar spacing = OwnWake::spacing
+    (
+        theta_[p.cell()], volume,
+        volume/cellVolume*OwnWake::kept(kernel, cellSize)
+    );
+
+    const vector seen(td.Uc() - p.U());
+    scalar share = 0, change = 1;
+    for (label pass = 0; pass < 20 && change > 1e-6; ++pass)
+    {
+        td.Uc() = p.U() + seen/(1 - share);
+        const scalar dragRate = forces().calcCoupled
+        (
+            p, td, dt, p.mass(), p.Re(td), td.muc()
+        ).Sp();
+        const scalar better = OwnWake::share
+        (
+            p.nParticle()*dragRate, mag(td.Uc() - p.U()), width, spacing,
+            td.muc(), td.muc()/td.rhoc()
+        );
+        change = mag(better - share);
+        share = better;
+    }
+    td.Uc() = p.U() + seen/(1 - share);
+}
+
+
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
 ElutriaCloud::GasExchange ElutriaCloud::exchange() const
@@ -95,12 +141,15 @@ void ElutriaCloud::correct(const volVectorField& change)
             p.U() += response(k++)*seen[p.cell()];
         }
     }
+    const bool singleStep = window_ < 1.5*solution().trackTime();
     drop();
+    wakeInGas_ = singleStep && solution().coupled();
 }
 
 
 void ElutriaCloud::drop()
 {
+    wakeInGas_ = false;
     impulse_ = Zero;
     window_ = 0;
 }

@@ -25,7 +25,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
 (
     const List<vector>& starts,
     const scalar dt
-) const
+)
 {
     const elutria::dem::Particles& all = particles_;
     const elutria::dem::PeriodicBox box =
@@ -34,7 +34,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
 
     List<Flight> flights(starts.size());
     size_t i = 0;
-    for (const parcelType& p : *this)
+    for (parcelType& p : *this)
     {
         Flight& f = flights[i];
         f.displacement = toFoam
@@ -48,6 +48,14 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
             effectiveMass_[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
         f.dragRate = all.dragRate[i];
 
+        // What neither drag nor other forces did, contacts did
+        turnFluctuation
+        (
+            p,
+            f.end - f.start - dt*toFoam(all.acceleration[i])
+          - toFoam(all.dragImpulse[i])/all.mass[i]
+        );
+
         meshTools::constrainDirection
         (
             mesh(), mesh().solutionD(), f.displacement
@@ -56,6 +64,18 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights
         ++i;
     }
     return flights;
+}
+
+
+void ElutriaCloud::turnFluctuation(parcelType& p, const vector& thrown) const
+{
+    const scalar size = mag(thrown);
+    if (!inertialDispersion_ || size < 1e-6*mag(p.U()) + VSMALL)
+    {
+        return;
+    }
+    const vector n(thrown/size);
+    p.UTurb() -= 2*min(p.UTurb() & n, scalar(0))*n;
 }
 
 
@@ -105,6 +125,8 @@ void ElutriaCloud::meetPatch
 
     if (td.keepParticle && p.U() != arrival)
     {
+        turnFluctuation(p, p.U() - arrival);
+
         // Turned by a rebound or a mirror: what the forces had still to add
         // in this step stays
         flight.end = p.U() + (flight.end - arrival);
