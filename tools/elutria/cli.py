@@ -178,19 +178,34 @@ def verify(
     name: Annotated[str, typer.Argument(help="Which one; 'list' names them, 'all' runs all.")],
     to: Annotated[Path | None, typer.Option(help="Folder; default: results/verify/NAME.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Of 'all': so many side by side.")] = 2,
     option: Annotated[
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="The reference's own options.")
     ] = None,
 ) -> None:
     """Reference results, run through the code that users run."""
+    from concurrent.futures import ProcessPoolExecutor
+
     from elutria import verification
 
-    names = sorted(_modules(verification)) if name == "all" else [name]
-    for chosen in names:
-        folder = to or Path("results/verify")
-        if to is None or name == "all":
-            folder /= chosen
-        _run_module(verification, chosen, folder, 1, quick, option)
+    if name != "all":
+        folder = to or Path("results/verify") / name
+        _run_module(verification, name, folder, 1, quick, option)
+        return
+    folder = to or Path("results/verify")
+    with ProcessPoolExecutor(jobs) as pool:
+        pending = [
+            pool.submit(_run_reference, chosen, folder / chosen, quick, option)
+            for chosen in _modules(verification)
+        ]
+        for done in pending:
+            done.result()
+
+
+def _run_reference(name: str, folder: Path, quick: bool, option: list[str] | None) -> None:
+    from elutria import verification
+
+    _run_module(verification, name, folder, 1, quick, option)
 
 
 def _modules(package: Any) -> dict[str, Any]:

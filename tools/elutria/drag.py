@@ -81,6 +81,48 @@ LAWS: dict[str, DragLaw] = {
     "Di Felice": di_felice,
 }
 
+def wen_yu(reynolds: float, void: float) -> float:
+    """Schiller-Naumann at the superficial Re, times void^-2.65 (1/void in our gas equation).
+
+    The laws for suspensions are functions of the interstitial Re and the void fraction; Cd is of
+    the interstitial slip in a gas that keeps the whole pressure gradient. Wen and Yu 1966.
+    """
+    return schiller_naumann(void * reynolds) * void**-2.65
+
+
+def gidaspow(reynolds: float, void: float) -> float:
+    """Ergun's packed bed below void 0.8, Wen and Yu above; Gidaspow 1994, OpenFOAM's ErgunWenYu."""
+    if void >= 0.8:
+        return wen_yu(reynolds, void)
+    return 4 / 3 * (150 * (1 - void) / (void * reynolds) + 1.75) / void
+
+
+def beetstra(reynolds: float, void: float) -> float:
+    """24 F/Re by Beetstra, van der Hoef and Kuipers 2007, monodisperse."""
+    solids, superficial = 1 - void, void * reynolds
+    stokes = 10 * solids / void**2 + void**2 * (1 + 1.5 * solids**0.5)
+    inertia = (1 / void + 3 * void * solids + 8.4 * superficial**-0.343) / (
+        1 + 10 ** (3 * solids) * superficial ** -(0.5 + 2 * solids)
+    )
+    return 24 / reynolds * (stokes + 0.413 * superficial / (24 * void**2) * inertia)
+
+
+def di_felice_void(reynolds: float, void: float) -> float:
+    """Di Felice 1994: single-particle law at the superficial Re, times void^(1 - chi)."""
+    superficial = void * reynolds
+    chi = 3.7 - 0.65 * exp(-0.5 * (1.5 - log10(superficial)) ** 2)
+    return di_felice(superficial) * void ** (1 - chi)
+
+
+# by the particle force of a case
+SUSPENSION_LAWS: dict[str, DragLaw] = {
+    "WenYuVoidDrag": wen_yu,
+    "GidaspowDrag": gidaspow,
+    "ErgunWenYuDrag": gidaspow,
+    "BeetstraDrag": beetstra,
+    "DiFeliceDrag": di_felice_void,
+}
+
 # a particle force of a case -> the law that it becomes for a single particle
 SINGLE_PARTICLE_LIMIT = {
     "SchillerNaumannDrag": "Schiller-Naumann",

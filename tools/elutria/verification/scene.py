@@ -89,18 +89,18 @@ def make_scene(
     folder: Path,
     particles: Particles | None = None,
     settings: Mapping[str, Any] | None = None,
-    template: str = "box",
+    mesh: str = "blockMeshDict",
 ) -> Path:
-    """Copy cases/verification/TEMPLATE to `folder` and mesh it.
+    """Copy cases/verification/box to `folder` and mesh it by its system/MESH.
 
     `settings` maps FILE:ENTRY to a value (a mapping for a dictionary).
     """
-    shutil.copytree(project_root() / "cases/verification" / template, folder)
+    shutil.copytree(project_root() / "cases/verification/box", folder)
     change(folder, settings or {})
     shutil.copytree(folder / "0.orig", folder / "0")
     if particles is not None:
         write_particles(folder, particles)
-    run_program(["blockMesh"], folder)
+    run_program(["blockMesh", "-dict", f"system/{mesh}"], folder)
     return folder
 
 
@@ -113,15 +113,29 @@ def change(case: Path, settings: Mapping[str, Any]) -> None:
             dictionary[(first, *rest)] = value
 
 
+def cell_centres(case: Path) -> tuple[Array, dict[str, Array]]:
+    """Centres of the cells (n, 3), and of the faces of each patch."""
+    run_program(["postProcess", "-func", "writeCellCentres", "-time", "0"], case)
+    with FoamFile(case / "0/C") as centres:
+        patches = {
+            name: np.asarray(patch["value"], dtype=float)
+            for name, patch in centres["boundaryField"].items()
+            if "value" in patch
+        }
+        inside = np.asarray(centres["internalField"], dtype=float)
+    for name in ("C", "Cx", "Cy", "Cz"):
+        (case / "0" / name).unlink()
+    return inside, patches
+
+
 def add_feed(case: Path, feed: Mapping[str, Any]) -> None:
     """Write constant/feed with these entries and let the cloud inject it.
 
     Unless `feed` says otherwise it enters through the west wall, at rest, with seed 1, and leaves
     for fines at the top and for coarse at the bottom.
     """
-    usual = {
+    usual: dict[str, Any] = {
         "outlets": {"fines": ["top"], "coarse": ["bottom"]},
-        "patch": "west",
         "velocity": [0, 0, 0],
         "start": 0,
         "duration": 1000,
@@ -129,8 +143,23 @@ def add_feed(case: Path, feed: Mapping[str, Any]) -> None:
     }
     text = _HEADER.format("dictionary", "constant", "feed")
     (case / "constant/feed").write_text(text)
+    if "zone" not in feed:
+        usual["patch"] = "west"
     change(case, {f"constant/feed:{name}": value for name, value in {**usual, **feed}.items()})
     change(case, {f"{MODELS}/injectionModels": {"feed": {"type": "feed"}}})
+
+
+def add_zone(case: Path, name: str, low: ArrayLike, high: ArrayLike) -> None:
+    """Name the cells whose centres lie in a box (m) a cell zone."""
+    path = case / "system/topoSetDict"
+    corners = " ".join(f"({x:g} {y:g} {z:g})" for x, y, z in (np.asarray(low), np.asarray(high)))
+    path.write_text(
+        _HEADER.format("dictionary", "system", "topoSetDict")
+        + "actions (\n"
+        + f"{{ name set; type cellSet; action new; source boxToCell; box {corners}; }}\n"
+        + f"{{ name {name}; type cellZoneSet; action new; source setToCellZone; set set; }}\n);\n"
+    )
+    run_program(["topoSet"], case)
 
 
 def write_particles(case: Path, particles: Particles, time: str = "0") -> None:
@@ -236,3 +265,28 @@ def _read(path: Path, width: int) -> Array:
     count, *values = _NUMBER.findall(body)
     table = np.array([float(value) for value in values]).reshape(-1, width)
     return np.broadcast_to(table, (int(count), width)) if len(table) == 1 else table
+
+
+def set_turbulence(case: Path, k: ArrayLike, epsilon: ArrayLike) -> None:
+    """Turbulence by the k-epsilon model's fields, one value per cell or one for all."""
+    per_time = {"k": -2, "epsilon": -3, "nut": -1}
+    for name, values in {"k": k, "epsilon": epsilon, "nut": 0.0}.items():
+        path = case / f"0/{name}.air"
+        path.write_text(_HEADER.format("volScalarField", "0", f"{name}.air"))
+        with FoamFile(path) as field:
+            field["dimensions"] = FoamFile.DimensionSet(length=2, time=per_time[name])
+            field["internalField"] = values if np.ndim(values) == 0 else np.asarray(values)
+            kind = {"type": "calculated", "value": 0} if name == "nut" else {"type": "zeroGradient"}
+            field["boundaryField"] = {
+                **{group: kind for group in ("wall", "inflow", "outflow")},
+                "cyclic": {"type": "cyclic"},
+            }
+    change(
+        case,
+        {
+            "constant/turbulenceProperties.air:simulationType": "RAS",
+            "constant/turbulenceProperties.air:RAS": {
+                "RASModel": "kEpsilon", "turbulence": True, "printCoeffs": False,
+            },
+        },
+    )  # fmt: skip

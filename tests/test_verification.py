@@ -1,0 +1,87 @@
+"""The verification book: its page, a fast sample of its references, and all of it (slow)."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+from pathlib import Path
+
+import pytest
+
+from elutria.bench.common import Options, project_root
+from elutria.verification import bed, contacts, drag, page, wake
+from elutria.verification.book import Chapter, Row, write_chapter
+from elutria.verification.contacts import collide, linear
+from elutria.verification.scene import Particles
+
+
+def test_a_row_passes_fails_or_informs() -> None:
+    assert Row.relative("a", "b", 2.0, 2.01, 0.01).verdict == "pass"
+    assert Row.relative("a", "b", 2.0, 2.1, 0.01).verdict == "FAIL"
+    assert Row.relative("a", "b", 2.0, float("nan"), 0.01).verdict == "FAIL"
+    assert Row.relative("a", "b", 2.0, 2.1, None).verdict == "info"
+
+
+def test_the_page_summarises_all_chapters(tmp_path: Path) -> None:
+    for name, ours in (("drag", 1.0), ("bed", 1.5)):
+        chapter = Chapter(name, name.title())
+        section = chapter.section(f"Case of {name}", "What is <checked>.", "What was found.")
+        section.rows.append(Row.relative("here", "value, m", 1.0, ours, 0.01, "1 %"))
+        write_chapter(Options(tmp_path / name, say=lambda _: None), chapter)
+    page = (tmp_path / "index.md").read_text()
+    assert page.index("Case of drag") < page.index("Case of bed")
+    assert "1 of 2 rows pass" in page
+    assert "| [Case of bed](#case-of-bed) | 0 of 1 | 50 | 1 % | FAIL |" in page
+    assert "What is &lt;checked&gt;." in (tmp_path / "index.html").read_text()
+    rows = list(csv.DictReader((tmp_path / "bed/rows.csv").open()))
+    assert [row["verdict"] for row in rows] == ["FAIL"]
+    assert json.loads((tmp_path / "bed/chapter.json").read_text())["machine"]["openfoam"]
+
+
+def test_the_book_in_the_repository_links_to_what_is_there() -> None:
+    book = project_root() / "docs/verification"
+    page = (book / "index.md").read_text()
+    pictures = [part.split(")")[0] for part in page.split("](")[1:] if ".png)" in part]
+    assert len(pictures) >= 10
+    assert all((book / picture).is_file() for picture in pictures)
+
+
+def test_sample_bounce(tmp_path: Path) -> None:
+    exact = contacts.Bounce(5e4, 0.9, 9.81)
+    ball = Particles.of((0.5, 0.5, 0.5), diameter=0.2, density=2600.0)
+    found = collide(
+        tmp_path / "case", ball, linear(5e4, 0.9), step=5e-3, duration=0.6, writes=6, gravity=9.81,
+        contacts=contacts.FINE,
+    )  # fmt: skip
+    error = max(abs(p.position[0, 2] - exact.at(t)) for t, p in found.items())
+    assert error < 1.4e-4
+
+
+def test_sample_drag_of_a_suspension(tmp_path: Path) -> None:
+    law = drag.SUSPENSION_LAWS["GidaspowDrag"]
+    force = {"GidaspowDrag": {"alphac": "alpha.air"}}
+    found, said = drag.drag_coefficients(tmp_path / "case", force, 0.4)
+    errors = [abs(cd / law(re, 0.6) - 1) for cd, re in zip(found, drag.REYNOLDS, strict=True)]
+    assert max(errors) < 1e-6
+    assert "is used at" not in said
+
+
+def test_sample_packed_bed(tmp_path: Path) -> None:
+    found = bed.held_bed(tmp_path / "case", 1e-3, 0.4, 1.0, bed.STOCK)
+    error = abs(found.middle / bed.ergun(1.0, 1e-3, 0.4) - 1)
+    assert error < 0.01
+
+
+def test_sample_own_wake(tmp_path: Path) -> None:
+    plain = wake.settling_error(tmp_path / "plain", 5e-4, 2, corrected=False)
+    corrected = wake.settling_error(tmp_path / "corrected", 5e-4, 2, corrected=True)
+    assert abs(corrected) / abs(plain) < 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", page.ORDER)
+def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
+    module = importlib.import_module(f"elutria.verification.{name}")
+    module.run(Options(tmp_path / name, quick=True, say=print))
+    assert f'"name": "{name}"' in (tmp_path / name / "chapter.json").read_text()

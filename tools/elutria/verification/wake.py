@@ -1,0 +1,137 @@
+"""A grain's own wake: two-way coupling feels the gas that the grain has slowed itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from matplotlib import rc_context
+from numpy.typing import NDArray
+
+from elutria.bench.common import Options
+from elutria.drag import Gas, terminal_velocity
+from elutria.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.verification.book import Chapter, Row, Section, write_chapter
+from elutria.verification.scene import (
+    BOX,
+    CLOUD,
+    CONTROL,
+    Particles,
+    make_scene,
+    read_particles,
+    run_scene,
+    times,
+)
+
+NAME = "wake"
+HELP = "A grain's own wake: settling in a ladder of cell sizes with two-way coupling."
+
+Array = NDArray[np.float64]
+
+GAS, GRAVITY, DENSITY, NU = Gas(), 9.80665, 24.0, 1.5e-5
+
+
+@rc_context(STYLE)
+def run(options: Options) -> None:
+    """Settling of single grains at three Reynolds numbers and four cell sizes, before and after."""
+    chapter = Chapter(NAME, "A particle's own wake")
+    section = chapter.section(
+        "A particle's own wake",
+        "A single grain settles through gas that rises nearly as fast, coupled both ways, the gas "
+        "solved on every step; walls slip. Drag laws are made for undisturbed gas, so the error is "
+        "the settling slip over the terminal velocity, less 1. Cells of 1 to 8 diameters, kernel "
+        "1.5 diameters (auto). Without correction the rows are for information; with it (ownWake, "
+        "the default; regularised Stokeslet with Oseen's factor) the allowed error is 3 %. The "
+        "grain is light (24 kg/m3), so that it follows its drag within the box.",
+        "Without correction a grain settles up to a quarter too fast at Re 0.05, a tenth at Re 4, "
+        "2 % at Re 87; coarse cells help only beyond 8 diameters, and least where the flow is "
+        "viscous. The correction takes that to a few per cent and below. What is left at Re 0.05 "
+        "and a cell of one diameter is the box: 12 diameters wide, its walls hold the viscous "
+        "disturbance back by the order of the error, which the correction for unbounded gas "
+        "overdoes. Where the gas is not solved on every step (scene plan auto with little feed) "
+        "the wake is not in the gas, and nothing is corrected.",
+    )
+    ratios = (2, 8) if options.quick else (1, 2, 4, 8)
+    with TemporaryDirectory() as work:
+        _ladder(section, Path(work), ratios)
+    write_chapter(options, chapter)
+
+
+def settling_error(folder: Path, diameter: float, ratio: float, corrected: bool) -> float:
+    """Mean relative error of the slip, in cells of `ratio` diameters, once it is steady."""
+    terminal = terminal_velocity(diameter, DENSITY, GAS, gravity=GRAVITY)
+    cell, cells = ratio * diameter, 12
+    width = max(1.5 * diameter, 0.34 * cell)
+    duration = max(
+        3 * terminal / GRAVITY, 6 * min(width**2 / NU, 4 * width / terminal), 20 * cell / terminal
+    )
+    upflow = terminal - 6 * cell / duration  # it falls past six cells
+    step = 0.25 * cell / terminal
+    steps = int(np.ceil(duration / step))
+    side = cells * cell
+    case = make_scene(
+        folder,
+        Particles.of(
+            (side / 2 + 0.11 * cell, side / 2 + 0.07 * cell, 1.5 * side),
+            (0, 0, upflow - terminal), diameter=diameter, density=DENSITY,
+        ),
+        {
+            f"{BOX}:width": side,
+            f"{BOX}:depth": side,
+            f"{BOX}:height": 2 * side,
+            f"{BOX}:cellsAcross": cells,
+            f"{BOX}:cellsAlong": 2 * cells,
+            f"{BOX}:gasVelocity": upflow,
+            f"{CLOUD}:solution/coupled": True,
+            f"{CLOUD}:ownWake": {"undisturbed": corrected},
+            "system/scenePlan:gas": True,
+            **loose_solvers(1e-9, 1e-3),
+            f"{CONTROL}:deltaT": step,
+            f"{CONTROL}:endTime": steps * step,
+            f"{CONTROL}:writeInterval": step * max(1, steps // 40),
+        },
+    )  # fmt: skip
+    run_scene(case)
+    slips = [upflow - read_particles(case, t).velocity[0, 2] for t in times(case)[1:-1]]
+    return float(np.mean(slips[len(slips) // 2 :]) / terminal - 1)
+
+
+def loose_solvers(tolerance: float, relative: float) -> dict[str, float]:
+    """Settings of the box' linear solvers for flows that need no round-off balance."""
+    pressure, velocity = (f'system/fvSolution:solvers/"{f}(Final)?"' for f in ("p", "U.air"))
+    return {
+        f"{pressure}/tolerance": tolerance,
+        f"{pressure}/relTol": relative,
+        f"{velocity}/tolerance": tolerance,
+    }
+
+
+def _ladder(section: Section, folder: Path, ratios: tuple[int, ...]) -> None:
+    figure, (axes,) = new_figure(65)
+    for diameter, colour in zip((1e-4, 5e-4, 2e-3), MATERIAL_COLOURS, strict=False):
+        terminal = terminal_velocity(diameter, DENSITY, GAS, gravity=GRAVITY)
+        reynolds = terminal * diameter * GAS.density / GAS.viscosity
+        for corrected in (False, True):
+            errors = []
+            for ratio in ratios:
+                name = f"{diameter}{ratio}{corrected}"
+                errors.append(settling_error(folder / name, diameter, ratio, corrected))
+                section.rows.append(
+                    Row(
+                        f"Re {reynolds:.2g}, cell {ratio} diameters",
+                        f"settling slip, m/s, {'corrected' if corrected else 'as the gas is'}",
+                        terminal, terminal * (1 + errors[-1]), abs(errors[-1]),
+                        0.03 if corrected else None,
+                    )
+                )  # fmt: skip
+            label = f"Re {reynolds:.2g}, {'corrected' if corrected else 'as the gas is'}"
+            style = "o-" if corrected else "s:"
+            axes.plot(ratios, 100 * np.array(errors), style, color=colour, ms=3, label=label)
+    axes.axhline(0, color="k", linewidth=0.5)
+    axes.set_xscale("log", base=2)
+    axes.set_xticks(ratios, [str(r) for r in ratios])
+    axes.set_xlabel("cell size, diameters")
+    axes.set_ylabel("error of the settling slip, %")
+    axes.legend()
+    section.figures["wake"] = (figure, "Settling of single grains with two-way coupling.")
