@@ -52,7 +52,8 @@ def run(options: Options) -> None:
         repeated = chapter.section(
             "Repeated bounces (MFiX DEM02)",
             "The same sphere, ten bounces: heights of the soft sphere with gravity in its "
-            "contacts, and of the hard one where impacts take no time (treatment auto).",
+            "contacts, by the soft law and by the default treatment auto, which chooses between "
+            "impacts and the soft law. The hard sphere's height is for information.",
         )
         _repeated_bounces(repeated, folder)
         _stacked_pair(chapter, folder)
@@ -244,7 +245,6 @@ def _repeated_bounces(section: Section, folder: Path) -> None:
                     peers[stiffness],
                 )
             )
-        # an impact takes no time, so that gravity does nothing in it
         hard = Bounce.radius + (Bounce.height - Bounce.radius) * 0.9**20
         for what, reference in (("soft sphere", heights[2]), ("hard sphere", hard)):
             section.rows.append(
@@ -253,7 +253,7 @@ def _repeated_bounces(section: Section, folder: Path) -> None:
                     f"height after bounce 10 against the {what}, m",
                     reference,
                     apexes["auto"][10],
-                    5e-4,
+                    5e-4 if what == "soft sphere" else None,
                     peers[stiffness] if what == "soft sphere" else "",
                 )
             )

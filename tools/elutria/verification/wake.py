@@ -133,5 +133,6 @@ def _ladder(section: Section, folder: Path, ratios: tuple[int, ...]) -> None:
     axes.set_xticks(ratios, [str(r) for r in ratios])
     axes.set_xlabel("cell size, diameters")
     axes.set_ylabel("error of the settling slip, %")
-    axes.legend()
+    axes.set_ylim(-12, 46)
+    axes.legend(ncols=2, fontsize=6)
     section.figures["wake"] = (figure, "Settling of single grains with two-way coupling.")
