@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from elutria.dictionary import set_entry
 from elutria.errors import InputError
 from elutria.events import join, read_run
 
@@ -17,6 +18,7 @@ from elutria.events import join, read_run
 def finished(column: Path, fake_solver: Path) -> Path:
     """A case with the files of a finished run."""
     assert not fake_solver.exists()
+    set_entry(column / "system/simulationParameters", "particles", "4000", column)
     subprocess.run(["elutriaFoam"], cwd=column, check=True, capture_output=True)
     return column
 
