@@ -49,20 +49,18 @@ public:
 };
 
 
-point centre(const FeedEntrance::Piece& piece)
+template<class Piece>
+point centre(const Piece& piece)
 {
-    return 0.25*(piece[0] + piece[1] + piece[2] + piece[3]);
+    return std::accumulate(piece.begin(), piece.end(), point(Zero))
+       /scalar(piece.size());
 }
 
 
 //- All processors' pieces, in the order of their centres
-List<FeedEntrance::Piece> gathered
-(
-    const List<FeedEntrance::Piece>& own,
-    const Lattice& lattice
-)
+template<class Piece>
+List<Piece> gathered(const List<Piece>& own, const Lattice& lattice)
 {
-    typedef FeedEntrance::Piece Piece;
     List<List<Piece>> ofProcessor(Pstream::nProcs());
     ofProcessor[Pstream::myProcNo()] = own;
     Pstream::gatherList(ofProcessor);
@@ -85,15 +83,44 @@ List<FeedEntrance::Piece> gathered
 }
 
 
-//- Of the triangle of the first three corners
-vector areaNormal(const FeedEntrance::Piece& t)
+vector areaNormal(const triPoints& t)
 {
     return 0.5*((t[1] - t[0]) ^ (t[2] - t[0]));
 }
 
 
-//- Uniform over the triangle of the first three corners
-point within(const FeedEntrance::Piece& t, const scalar r, const scalar s)
+scalar size(const triPoints& t)
+{
+    return mag(areaNormal(t));
+}
+
+
+scalar size(const FixedList<point, 4>& t)
+{
+    return mag(((t[1] - t[0]) ^ (t[2] - t[0])) & (t[3] - t[0]))/6;
+}
+
+
+template<class Piece>
+scalarList cumulativeShares(const List<Piece>& pieces)
+{
+    scalarList shares(pieces.size());
+    scalar sum = 0;
+    forAll(pieces, i)
+    {
+        sum += size(pieces[i]);
+        shares[i] = sum;
+    }
+    for (scalar& share : shares)
+    {
+        share /= sum;
+    }
+    return shares;
+}
+
+
+//- Uniform over a triangle
+point within(const triPoints& t, const scalar r, const scalar s)
 {
     const scalar root = std::sqrt(r);
     return (1 - root)*t[0] + root*(1 - s)*t[1] + root*s*t[2];
@@ -104,7 +131,7 @@ point within(const FeedEntrance::Piece& t, const scalar r, const scalar s)
 //  four parts that are uniform on the simplex
 point within
 (
-    const FeedEntrance::Piece& t,
+    const FixedList<point, 4>& t,
     const scalar r,
     const scalar s,
     const scalar q
@@ -122,70 +149,30 @@ point within
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-scalar FeedEntrance::size(const Piece& t) const
+void FeedEntrance::collectPatch(const polyPatch& patch)
 {
-    return onPatch_ ? mag(areaNormal(t)) : mag(areaNormal(t) & (t[3] - t[0]))/3;
-}
+    const polyMesh& mesh = patch.boundaryMesh().mesh();
+    const pointField& p = mesh.points();
+    DynamicList<triPoints> own;
 
-
-List<FeedEntrance::Piece> FeedEntrance::ofPatch
-(
-    const fvMesh& mesh,
-    const dictionary& dict
-) const
-{
-    const word name(dict.get<word>("patch"));
-    const label patchi = mesh.boundaryMesh().findPatchID(name);
-    if (patchi < 0)
+    for (const face& f : patch)
     {
-        FatalIOErrorInFunction(dict)
-            << "patch is " << name << ", allowed: "
-            << mesh.boundaryMesh().names() << exit(FatalIOError);
-    }
-
-    const polyPatch& patch = mesh.boundaryMesh()[patchi];
-    DynamicList<Piece> own;
-    forAll(patch, i)
-    {
-        const label celli = patch.faceCells()[i];
-        for
-        (
-            const tetIndices& tet :
-            polyMeshTetDecomposition::faceTetIndices
-            (
-                mesh, patch.start() + i, celli
-            )
-        )
+        // A fan around the first point is enough for a feed patch
+        for (label i = 1; i < f.size() - 1; ++i)
         {
-            const triPointRef face(tet.faceTri(mesh));
-            own.append(Piece{face.a(), face.b(), face.c(), mesh.cellCentres()[celli]});
+            own.append(triPoints(p[f[0]], p[f[i]], p[f[i+1]]));
         }
     }
-    return gathered(own, Lattice(mesh));
+    triangles_ = gathered(List<triPoints>(own), Lattice(refCast<const fvMesh>(mesh)));
+    cumulativeShare_ = cumulativeShares(triangles_);
 }
 
 
-List<FeedEntrance::Piece> FeedEntrance::ofZone
-(
-    const fvMesh& mesh,
-    const dictionary& dict
-) const
+void FeedEntrance::collectZone(const fvMesh& mesh, const labelUList& cells)
 {
-    const word name(dict.get<word>("zone"));
-    const label zonei = mesh.cellZones().findZoneID(name);
-    if (returnReduce(zonei, maxOp<label>()) < 0)
-    {
-        FatalIOErrorInFunction(dict)
-            << "zone is " << name << ", allowed: "
-            << mesh.cellZones().names() << exit(FatalIOError);
-    }
-
-    const labelUList cells
-    (
-        zonei < 0 ? labelUList() : labelUList(mesh.cellZones()[zonei])
-    );
     const Lattice lattice(mesh);
-    DynamicList<Piece> own;
+    DynamicList<FixedList<point, 4>> own;
+
     for (const label celli : cells)
     {
         for
@@ -195,7 +182,7 @@ List<FeedEntrance::Piece> FeedEntrance::ofZone
         )
         {
             const tetPointRef tet(indices.tet(mesh));
-            Piece corners{tet.a(), tet.b(), tet.c(), tet.d()};
+            FixedList<point, 4> corners{tet.a(), tet.b(), tet.c(), tet.d()};
             // A face turns round where it lies between processors
             std::sort
             (
@@ -208,44 +195,56 @@ List<FeedEntrance::Piece> FeedEntrance::ofZone
             own.append(corners);
         }
     }
-    return gathered(own, lattice);
+    tetrahedra_ = gathered(List<FixedList<point, 4>>(own), lattice);
+    cumulativeShare_ = cumulativeShares(tetrahedra_);
 }
 
 
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 FeedEntrance::FeedEntrance(const fvMesh& mesh, const dictionary& dict)
-:
-    onPatch_(dict.found("patch"))
 {
-    if (onPatch_ == dict.found("zone"))
+    if (dict.found("patch") == dict.found("zone"))
     {
         FatalIOErrorInFunction(dict)
             << "give either patch or zone: where the feed enters"
             << exit(FatalIOError);
     }
 
-    pieces_ =
-        onPatch_
-      ? ofPatch(mesh, dict)
-      : ofZone(mesh, dict);
-
-    cumulativeShare_.resize(pieces_.size());
-    scalar sum = 0;
-    forAll(pieces_, i)
+    if (dict.found("patch"))
     {
-        sum += size(pieces_[i]);
-        cumulativeShare_[i] = sum;
+        const word name(dict.get<word>("patch"));
+        const label patchi = mesh.boundaryMesh().findPatchID(name);
+        if (patchi < 0)
+        {
+            FatalIOErrorInFunction(dict)
+                << "patch is " << name << ", allowed: "
+                << mesh.boundaryMesh().names() << exit(FatalIOError);
+        }
+        collectPatch(mesh.boundaryMesh()[patchi]);
     }
-    if (!(sum > 0))
+    else
+    {
+        const word name(dict.get<word>("zone"));
+        const label zonei = mesh.cellZones().findZoneID(name);
+        if (returnReduce(zonei, maxOp<label>()) < 0)
+        {
+            FatalIOErrorInFunction(dict)
+                << "zone is " << name << ", allowed: "
+                << mesh.cellZones().names() << exit(FatalIOError);
+        }
+        collectZone
+        (
+            mesh,
+            zonei < 0 ? labelUList() : labelUList(mesh.cellZones()[zonei])
+        );
+    }
+
+    if (cumulativeShare_.empty() || !(cumulativeShare_.last() > 0))
     {
         FatalIOErrorInFunction(dict)
             << "the feed's patch or zone has no faces or cells"
             << exit(FatalIOError);
-    }
-    for (scalar& share : cumulativeShare_)
-    {
-        share /= sum;
     }
 }
 
@@ -255,8 +254,7 @@ FeedEntrance::FeedEntrance(const fvMesh& mesh, const dictionary& dict)
 point FeedEntrance::place
 (
     const FixedList<scalar, 4>& random,
-    const scalar radius,
-    const bool retreat
+    const scalar radius
 ) const
 {
     const label k = min
@@ -271,22 +269,15 @@ point FeedEntrance::place
         ),
         cumulativeShare_.size() - 1
     );
-    const Piece& piece = pieces_[k];
 
-    if (!onPatch_)
+    if (triangles_.size())
     {
-        const point p(within(piece, random[1], random[2], random[3]));
-        return retreat ? p + 1e-6*(centre(piece) - p) : p;
+        const triPoints& t = triangles_[k];
+        return
+            within(t, random[1], random[2])
+          - (1 + 1e-6)*radius*normalised(areaNormal(t));
     }
-    const point p(within(piece, random[1], random[2]));
-    const vector outward(normalised(areaNormal(piece)));
-    const scalar depth = (1 + 1e-6)*radius;
-    if (!retreat)
-    {
-        return p - depth*outward;
-    }
-    const scalar deepest = max((p - piece[3]) & outward, VSMALL);
-    return p + min(depth/deepest, scalar(0.5))*(piece[3] - p);
+    return within(tetrahedra_[k], random[1], random[2], random[3]);
 }
 
 
