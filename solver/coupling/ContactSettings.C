@@ -118,6 +118,14 @@ void ContactSettings::readOwn
     settings.threads = dict.getOrDefault<label>("threads", 1);
     settings.cellLayers = dict.getOrDefault<label>("cellLayers", 1);
     dict.readIfPresent("stepFraction", settings.stepFraction);
+    if (settings.stepFraction > largestStepFraction)
+    {
+        FatalIOErrorInFunction(dict)
+            << "stepFraction is " << settings.stepFraction
+            << ", allowed: above 0, up to " << largestStepFraction
+            << " of a contact's duration"
+            << exit(FatalIOError);
+    }
     dict.readIfPresent("step", settings.step);
     dict.readIfPresent("skin", settings.skin);
 

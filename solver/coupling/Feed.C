@@ -295,6 +295,22 @@ scalar Feed::diameter(const label i, const label material) const
 }
 
 
+point Feed::place
+(
+    const label i,
+    const scalar diameter,
+    const bool retreat
+) const
+{
+    return entrance_.place
+    (
+        {random(i, 3), random(i, 4), random(i, 5), random(i, 6)},
+        0.5*diameter,
+        retreat
+    );
+}
+
+
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 Feed::Feed(const fvMesh& mesh, const word& phaseName)
@@ -402,12 +418,14 @@ Feed::Particle Feed::particle(const label i) const
     p.diameter = diameter(i, p.material);
     p.number = number(i);
 
-    p.position = entrance_.place
-    (
-        {random(i, 3), random(i, 4), random(i, 5), random(i, 6)},
-        0.5*p.diameter
-    );
+    p.position = place(i, p.diameter, false);
     return p;
+}
+
+
+point Feed::retreat(const label i) const
+{
+    return place(i, diameter(i, material(i)), true);
 }
 
 

@@ -49,18 +49,20 @@ public:
 };
 
 
-template<class Piece>
-point centre(const Piece& piece)
+point centre(const FeedEntrance::Piece& piece)
 {
-    return std::accumulate(piece.begin(), piece.end(), point(Zero))
-       /scalar(piece.size());
+    return 0.25*(piece[0] + piece[1] + piece[2] + piece[3]);
 }
 
 
 //- All processors' pieces, in the order of their centres
-template<class Piece>
-List<Piece> gathered(const List<Piece>& own, const Lattice& lattice)
+List<FeedEntrance::Piece> gathered
+(
+    const List<FeedEntrance::Piece>& own,
+    const Lattice& lattice
+)
 {
+    typedef FeedEntrance::Piece Piece;
     List<List<Piece>> ofProcessor(Pstream::nProcs());
     ofProcessor[Pstream::myProcNo()] = own;
     Pstream::gatherList(ofProcessor);
@@ -83,44 +85,15 @@ List<Piece> gathered(const List<Piece>& own, const Lattice& lattice)
 }
 
 
-vector areaNormal(const triPoints& t)
+//- Of the triangle of the first three corners
+vector areaNormal(const FeedEntrance::Piece& t)
 {
     return 0.5*((t[1] - t[0]) ^ (t[2] - t[0]));
 }
 
 
-scalar size(const triPoints& t)
-{
-    return mag(areaNormal(t));
-}
-
-
-scalar size(const FixedList<point, 4>& t)
-{
-    return mag(((t[1] - t[0]) ^ (t[2] - t[0])) & (t[3] - t[0]))/6;
-}
-
-
-template<class Piece>
-scalarList cumulativeShares(const List<Piece>& pieces)
-{
-    scalarList shares(pieces.size());
-    scalar sum = 0;
-    forAll(pieces, i)
-    {
-        sum += size(pieces[i]);
-        shares[i] = sum;
-    }
-    for (scalar& share : shares)
-    {
-        share /= sum;
-    }
-    return shares;
-}
-
-
-//- Uniform over a triangle
-point within(const triPoints& t, const scalar r, const scalar s)
+//- Uniform over the triangle of the first three corners
+point within(const FeedEntrance::Piece& t, const scalar r, const scalar s)
 {
     const scalar root = std::sqrt(r);
     return (1 - root)*t[0] + root*(1 - s)*t[1] + root*s*t[2];
@@ -131,7 +104,7 @@ point within(const triPoints& t, const scalar r, const scalar s)
 //  four parts that are uniform on the simplex
 point within
 (
-    const FixedList<point, 4>& t,
+    const FeedEntrance::Piece& t,
     const scalar r,
     const scalar s,
     const scalar q
@@ -149,30 +122,70 @@ point within
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-void FeedEntrance::collectPatch(const polyPatch& patch)
+scalar FeedEntrance::size(const Piece& t) const
 {
-    const polyMesh& mesh = patch.boundaryMesh().mesh();
-    const pointField& p = mesh.points();
-    DynamicList<triPoints> own;
-
-    for (const face& f : patch)
-    {
-        // A fan around the first point is enough for a feed patch
-        for (label i = 1; i < f.size() - 1; ++i)
-        {
-            own.append(triPoints(p[f[0]], p[f[i]], p[f[i+1]]));
-        }
-    }
-    triangles_ = gathered(List<triPoints>(own), Lattice(refCast<const fvMesh>(mesh)));
-    cumulativeShare_ = cumulativeShares(triangles_);
+    return onPatch_ ? mag(areaNormal(t)) : mag(areaNormal(t) & (t[3] - t[0]))/3;
 }
 
 
-void FeedEntrance::collectZone(const fvMesh& mesh, const labelUList& cells)
+List<FeedEntrance::Piece> FeedEntrance::ofPatch
+(
+    const fvMesh& mesh,
+    const dictionary& dict
+) const
 {
-    const Lattice lattice(mesh);
-    DynamicList<FixedList<point, 4>> own;
+    const word name(dict.get<word>("patch"));
+    const label patchi = mesh.boundaryMesh().findPatchID(name);
+    if (patchi < 0)
+    {
+        FatalIOErrorInFunction(dict)
+            << "patch is " << name << ", allowed: "
+            << mesh.boundaryMesh().names() << exit(FatalIOError);
+    }
 
+    const polyPatch& patch = mesh.boundaryMesh()[patchi];
+    DynamicList<Piece> own;
+    forAll(patch, i)
+    {
+        const label celli = patch.faceCells()[i];
+        for
+        (
+            const tetIndices& tet :
+            polyMeshTetDecomposition::faceTetIndices
+            (
+                mesh, patch.start() + i, celli
+            )
+        )
+        {
+            const triPointRef face(tet.faceTri(mesh));
+            own.append(Piece{face.a(), face.b(), face.c(), mesh.cellCentres()[celli]});
+        }
+    }
+    return gathered(own, Lattice(mesh));
+}
+
+
+List<FeedEntrance::Piece> FeedEntrance::ofZone
+(
+    const fvMesh& mesh,
+    const dictionary& dict
+) const
+{
+    const word name(dict.get<word>("zone"));
+    const label zonei = mesh.cellZones().findZoneID(name);
+    if (returnReduce(zonei, maxOp<label>()) < 0)
+    {
+        FatalIOErrorInFunction(dict)
+            << "zone is " << name << ", allowed: "
+            << mesh.cellZones().names() << exit(FatalIOError);
+    }
+
+    const labelUList cells
+    (
+        zonei < 0 ? labelUList() : labelUList(mesh.cellZones()[zonei])
+    );
+    const Lattice lattice(mesh);
+    DynamicList<Piece> own;
     for (const label celli : cells)
     {
         for
@@ -182,7 +195,7 @@ void FeedEntrance::collectZone(const fvMesh& mesh, const labelUList& cells)
         )
         {
             const tetPointRef tet(indices.tet(mesh));
-            FixedList<point, 4> corners{tet.a(), tet.b(), tet.c(), tet.d()};
+            Piece corners{tet.a(), tet.b(), tet.c(), tet.d()};
             // A face turns round where it lies between processors
             std::sort
             (
@@ -195,56 +208,44 @@ void FeedEntrance::collectZone(const fvMesh& mesh, const labelUList& cells)
             own.append(corners);
         }
     }
-    tetrahedra_ = gathered(List<FixedList<point, 4>>(own), lattice);
-    cumulativeShare_ = cumulativeShares(tetrahedra_);
+    return gathered(own, lattice);
 }
 
 
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 FeedEntrance::FeedEntrance(const fvMesh& mesh, const dictionary& dict)
+:
+    onPatch_(dict.found("patch"))
 {
-    if (dict.found("patch") == dict.found("zone"))
+    if (onPatch_ == dict.found("zone"))
     {
         FatalIOErrorInFunction(dict)
             << "give either patch or zone: where the feed enters"
             << exit(FatalIOError);
     }
 
-    if (dict.found("patch"))
-    {
-        const word name(dict.get<word>("patch"));
-        const label patchi = mesh.boundaryMesh().findPatchID(name);
-        if (patchi < 0)
-        {
-            FatalIOErrorInFunction(dict)
-                << "patch is " << name << ", allowed: "
-                << mesh.boundaryMesh().names() << exit(FatalIOError);
-        }
-        collectPatch(mesh.boundaryMesh()[patchi]);
-    }
-    else
-    {
-        const word name(dict.get<word>("zone"));
-        const label zonei = mesh.cellZones().findZoneID(name);
-        if (returnReduce(zonei, maxOp<label>()) < 0)
-        {
-            FatalIOErrorInFunction(dict)
-                << "zone is " << name << ", allowed: "
-                << mesh.cellZones().names() << exit(FatalIOError);
-        }
-        collectZone
-        (
-            mesh,
-            zonei < 0 ? labelUList() : labelUList(mesh.cellZones()[zonei])
-        );
-    }
+    pieces_ =
+        onPatch_
+      ? ofPatch(mesh, dict)
+      : ofZone(mesh, dict);
 
-    if (cumulativeShare_.empty() || !(cumulativeShare_.last() > 0))
+    cumulativeShare_.resize(pieces_.size());
+    scalar sum = 0;
+    forAll(pieces_, i)
+    {
+        sum += size(pieces_[i]);
+        cumulativeShare_[i] = sum;
+    }
+    if (!(sum > 0))
     {
         FatalIOErrorInFunction(dict)
             << "the feed's patch or zone has no faces or cells"
             << exit(FatalIOError);
+    }
+    for (scalar& share : cumulativeShare_)
+    {
+        share /= sum;
     }
 }
 
@@ -254,7 +255,8 @@ FeedEntrance::FeedEntrance(const fvMesh& mesh, const dictionary& dict)
 point FeedEntrance::place
 (
     const FixedList<scalar, 4>& random,
-    const scalar radius
+    const scalar radius,
+    const bool retreat
 ) const
 {
     const label k = min
@@ -269,15 +271,22 @@ point FeedEntrance::place
         ),
         cumulativeShare_.size() - 1
     );
+    const Piece& piece = pieces_[k];
 
-    if (triangles_.size())
+    if (!onPatch_)
     {
-        const triPoints& t = triangles_[k];
-        return
-            within(t, random[1], random[2])
-          - (1 + 1e-6)*radius*normalised(areaNormal(t));
+        const point p(within(piece, random[1], random[2], random[3]));
+        return retreat ? p + 1e-6*(centre(piece) - p) : p;
     }
-    return within(tetrahedra_[k], random[1], random[2], random[3]);
+    const point p(within(piece, random[1], random[2]));
+    const vector outward(normalised(areaNormal(piece)));
+    const scalar depth = (1 + 1e-6)*radius;
+    if (!retreat)
+    {
+        return p - depth*outward;
+    }
+    const scalar deepest = max((p - piece[3]) & outward, VSMALL);
+    return p + min(depth/deepest, scalar(0.5))*(piece[3] - p);
 }
 
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 namespace elutria::dem
@@ -14,6 +15,19 @@ namespace
 
 constexpr double margin = 1.5;           // energy above the allowed one: a sub-step is not exact
 constexpr std::size_t neighbours = 12;   // spheres that a sphere of no smaller ones can touch
+
+bool isFinite(const Particles& p, std::size_t i)
+{
+    const auto finite = [](const Vector3& v) { return std::isfinite(v.x + v.y + v.z); };
+    return finite(p.position[i]) && finite(p.velocity[i]) && finite(p.spin[i]);
+}
+
+bool isFinite(const Particles& p)
+{
+    for (std::size_t i = 0; i < p.size(); ++i)
+        if (!isFinite(p, i)) return false;
+    return true;
+}
 
 double kineticEnergy(const Particles& p)
 {
@@ -30,6 +44,13 @@ double largestSpeed(const Particles& p)
     for (std::size_t i = 0; i < p.size(); ++i)
         square = std::max(square, squaredNorm(p.velocity[i]));
     return std::sqrt(square);
+}
+
+std::string inSeconds(double value)
+{
+    std::ostringstream text;
+    text << value << " s";
+    return text.str();
 }
 
 /// Most that the forcing can give: drag (u - v) v is largest at v = u/2, a body force works along
@@ -56,9 +77,24 @@ StepReport CheckedEngine::advance(Particles& particles, double duration, int ret
         newcomers_.place(particles, engine_->walls(), engine_->settings().box);
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
+    const Settings settings = engine_->settings();
+    std::vector<std::string> warnings;
+    if (settings.step > 0 && particles.size() > 0)
+    {
+        const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
+        if (settings.step > most)
+        {
+            warnings.push_back("contact step " + inSeconds(settings.step) + " is above "
+                + std::to_string(largestFraction_) + " of the shortest contact; it is now "
+                + inSeconds(most));
+            refine(most/settings.step, history);
+        }
+    }
+    double firstEnergy = 0;
     for (int attempt = 0;; ++attempt)
     {
         std::string trouble;
+        bool broken = false;
         StepReport report;
         try
         {
@@ -69,13 +105,26 @@ StepReport CheckedEngine::advance(Particles& particles, double duration, int ret
         {
             if (!overlapKnown_ && attempt == 0) throw;     // of the first call: what was given
             trouble = error.what();
+            broken = true;
+        }
+        broken = broken || (!trouble.empty() && !isFinite(particles));
+        if (attempt == 0) firstEnergy = kineticEnergy(particles);
+        if (attempt == retakes && attempt > 0 && !trouble.empty() && !broken
+            && kineticEnergy(particles) > 0.5*firstEnergy)
+        {
+            // Smaller steps give the same: overlaps that the call was given
+            warnings.push_back(trouble + ", however small the sub-step: likely particles that were "
+                               "put into each other or into a wall");
+            reset(settings);
+            trouble.clear();
         }
         if (trouble.empty())
         {
             overlapKnown_ = true;
             overlap_ = report.largestOverlap;
             contacts_ = report.touching + report.wallTouching;
-            if (attempt > 0)
+            report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+            if (attempt > 0 && attempt < retakes)
                 report.warnings.push_back("a step of the contacts was not sound and was taken "
                     "again with sub-steps of 1/" + std::to_string(1 << attempt)
                     + ", kept from here on");
@@ -89,16 +138,24 @@ StepReport CheckedEngine::advance(Particles& particles, double duration, int ret
                 + " retakes with smaller sub-steps; likely causes: particles that were put into "
                   "each other or into a wall, a contact step too large, or a gas that diverges");
         }
-        refine(history);
+        refine(0.5, history);
     }
 }
 
 
-void CheckedEngine::refine(const std::vector<ContactRecord>& history)
+void CheckedEngine::reset(const Settings& settings)
+{
+    const std::vector<ContactRecord> history = engine_->exportContacts();
+    engine_ = std::make_unique<Engine>(settings, engine_->materials(), engine_->walls());
+    engine_->importContacts(history);
+}
+
+
+void CheckedEngine::refine(double factor, const std::vector<ContactRecord>& history)
 {
     Settings finer = engine_->settings();
-    finer.stepFraction /= 2;
-    finer.step /= 2;
+    if (finer.step > 0) finer.step *= factor;
+    else finer.stepFraction *= factor;
     engine_ = std::make_unique<Engine>(finer, engine_->materials(), engine_->walls());
     engine_->importContacts(history);
 }
@@ -145,9 +202,8 @@ double CheckedEngine::energyAllowed(const Particles& before, const Particles& af
 std::string CheckedEngine::unsound(const Particles& before, const Particles& after,
                                    double duration) const
 {
-    const auto finite = [](const Vector3& v) { return std::isfinite(v.x + v.y + v.z); };
     for (std::size_t i = 0; i < after.size(); ++i)
-        if (!finite(after.position[i]) || !finite(after.velocity[i]) || !finite(after.spin[i]))
+        if (!isFinite(after, i))
             return "the motion of particle " + std::to_string(after.id[i] & 0xffffffffu)
                    + " is not finite";
 

@@ -17,9 +17,14 @@ namespace elutria::dem
 class CheckedEngine
 {
 public:
-    explicit CheckedEngine(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
+    /// A sub-step that was asked for in seconds (Settings::step) is lowered, with a warning, where it
+    /// is longer than `largestFraction` of the shortest contact.
+    explicit CheckedEngine(std::unique_ptr<Engine> engine, double largestFraction = 1e300)
+      : engine_(std::move(engine)), largestFraction_(largestFraction)
+    {}
 
-    /// As Engine::advance(). After `retakes` of them in vain throws std::runtime_error that says
+    /// As Engine::advance(). Energy that smaller sub-steps do not remove is reported and kept: it is
+    /// that of overlaps. After other troubles and `retakes` throws std::runtime_error that says
     /// which particle and why, with the particles and the contacts as they were before.
     StepReport advance(Particles& particles, double duration, int retakes);
 
@@ -29,10 +34,12 @@ public:
 private:
     double energyAllowed(const Particles& before, const Particles& after, double duration) const;
     std::string unsound(const Particles& before, const Particles& after, double duration) const;
-    void refine(const std::vector<ContactRecord>& history);
+    void refine(double factor, const std::vector<ContactRecord>& history);
+    void reset(const Settings& settings);
 
     std::unique_ptr<Engine> engine_;
     Newcomers newcomers_;
+    double largestFraction_;
     bool overlapKnown_ = false;     // of the contacts at the start of the next call
     double overlap_ = 0;            // over the smaller radius
     std::size_t contacts_ = 0;

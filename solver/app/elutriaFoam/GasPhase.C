@@ -6,7 +6,9 @@
 \*---------------------------------------------------------------------------*/
 
 #include "GasPhase.H"
+#include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
+#include "wallPolyPatch.H"
 
 namespace Foam
 {
@@ -19,6 +21,23 @@ scalar rms(const volVectorField& field)
 {
     const scalarField& V = field.mesh().V();
     return std::sqrt(gSum(magSqr(field.primitiveField())*V)/gSum(V));
+}
+
+
+//- Is there a patch that gas could pass?
+bool isOpen(const fvMesh& mesh)
+{
+    bool open = false;
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        open = open ||
+        (
+            !patch.coupled()
+         && !isA<wallPolyPatch>(patch)
+         && !polyPatch::constraintType(patch.type())
+        );
+    }
+    return returnReduce(open, orOp<bool>());
 }
 
 } // End anonymous namespace
@@ -102,7 +121,7 @@ void GasPhase::correctPressure
         "phiHbyA",
         fvc::flux(HbyA) + alphaf_*rAUf*fvc::ddtCorr(U_, phi_)
     );
-    if (p_.needReference())
+    if (p_.needReference() && isOpen(mesh_))
     {
         adjustPhi(phiHbyA, U_, p_);
     }
@@ -243,6 +262,9 @@ GasPhase::GasPhase
 
 void GasPhase::startTurbulence()
 {
+    // From here on kept: the first step's change counts too
+    alpha_.oldTime();
+
     turbulence_ = turbulenceModelType::New
     (
         alpha_, U_, alphaPhi_, phi_, transport_

@@ -22,6 +22,13 @@ namespace
 //- Above it the gas is no longer the incompressible gas that was asked for
 constexpr scalar largestSpeed = 1000;   // m/s
 
+//- Cells over which viscosity may spread momentum in a step, squared: PISO
+//  splits pressure and velocity, and loses momentum beyond
+constexpr scalar largestDiffusion = 10;
+
+//- Parts of a window: beyond them its gas is nearly steady anyway
+constexpr label mostSteps = 64;
+
 } // End anonymous namespace
 
 
@@ -63,6 +70,34 @@ tmp<volVectorField> GasPhase::solveInSteps
     setVoidFraction(alphaEnd);
     runTime.setTime(now, index);
     return tmean;
+}
+
+
+void GasPhase::warnOfViscosity(const scalar dt) const
+{
+    const scalarField spread
+    (
+        turbulence_->nuEff()().primitiveField()*dt
+       /pow(mesh_.V().field(), 2.0/3.0)
+    );
+    const scalar most = gMax(spread);
+    if (most > largestDiffusion)
+    {
+        Info<< "    Warning: viscosity spreads momentum over " << sqrt(most)
+            << " cells in a gas step, allowed: " << sqrt(largestDiffusion)
+            << "; lower deltaT" << endl;
+    }
+}
+
+
+void GasPhase::finishLoops()
+{
+    while (pimple_.correctNonOrthogonal())
+    {}
+    while (pimple_.correct())
+    {}
+    while (pimple_.loop())
+    {}
 }
 
 
@@ -127,18 +162,43 @@ tmp<volVectorField> GasPhase::advance
     const volScalarField alphaEnd("alphaEnd", alpha_);
     const volScalarField alphaStart("alphaStart", alpha_.oldTime());
     const GasState before(mesh_);
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar now = runTime.value(), runStep = runTime.deltaTValue();
+    const label index = runTime.timeIndex();
 
-    label steps = max(1, ceil(dt*courantRate()/courant*(1 - SMALL)));
+    const scalar asked = dt*courantRate()/courant*(1 - SMALL);
+    label steps = label(max(scalar(1), ceil(min(asked, scalar(mostSteps)))));
+    if (asked > mostSteps)
+    {
+        Info<< "    Warning: the gas crosses up to " << asked*courant/steps
+            << " cells in each of " << steps << " parts of its step, allowed: "
+            << courant << " (gasCourant); lower deltaT or maxCo" << endl;
+    }
+    warnOfViscosity(dt/steps);
     for (label attempt = 0; ; ++attempt)
     {
-        tmp<volVectorField> change
-        (
-            solveInSteps
+        tmp<volVectorField> change;
+        string trouble;
+        try
+        {
+            change = solveInSteps
             (
                 force, particles.coefficient, alphaStart, alphaEnd, dt, steps
-            )
-        );
-        const string trouble(unsound());
+            );
+            trouble = unsound();
+        }
+        catch (const error& broken)
+        {
+            // OpenFOAM breaks off where an equation's residual is not a number
+            finishLoops();
+            runTime.setDeltaT(runStep, false);
+            runTime.setTime(now, index);
+            trouble = unsound();
+            if (trouble.empty())
+            {
+                throw;
+            }
+        }
         if (trouble.empty())
         {
             return change;

@@ -7,6 +7,7 @@
 
 #include "ScenePlan.H"
 #include "globalMeshData.H"
+#include "IOField.H"
 
 namespace Foam
 {
@@ -48,10 +49,43 @@ scalar readPositive
     return value;
 }
 
+IOobject stateHeader
+(
+    const fvMesh& mesh,
+    const word& name,
+    const IOobject::readOption read
+)
+{
+    return IOobject
+    (
+        name, mesh.time().timeName(), "uniform", mesh, read,
+        IOobject::NO_WRITE, false
+    );
+}
+
 } // End anonymous namespace
 
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void ScenePlan::readState()
+{
+    const fvMesh& mesh = gas_.U().mesh();
+    const IOField<vector> force
+    (
+        stateHeader(mesh, "gasForce", IOobject::READ_IF_PRESENT)
+    );
+    if (force.size() == lastForce_.size())
+    {
+        lastForce_ = force;
+        interval_ = IOdictionary
+        (
+            stateHeader(mesh, "gasSolves", IOobject::MUST_READ)
+        ).get<label>("interval");
+    }
+}
+
+
 
 ScenePlan::choice ScenePlan::readChoice
 (
@@ -146,6 +180,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
+    readState();
     if (retakes_ < 0)
     {
         FatalIOErrorInFunction(dict)
@@ -217,6 +252,23 @@ void ScenePlan::gasSolved(const volVectorField& force, const scalar change)
         Info<< "Scene plan: the gas is now due every " << interval_
             << " steps, its velocity changed by " << 100*change << " %" << endl;
     }
+}
+
+
+void ScenePlan::write() const
+{
+    if (gasChoice_ != choice::automatic)
+    {
+        return;
+    }
+    const fvMesh& mesh = gas_.U().mesh();
+    IOField<vector>
+    (
+        stateHeader(mesh, "gasForce", IOobject::NO_READ), lastForce_
+    ).write();
+    IOdictionary solves(stateHeader(mesh, "gasSolves", IOobject::NO_READ));
+    solves.add("interval", interval_);
+    solves.regIOobject::write();
 }
 
 

@@ -17,6 +17,7 @@ Description
 
 #include "GasPhase.H"
 #include "ScenePlan.H"
+#include "WholeTime.H"
 #include "ending.H"
 #include "foamVersion.H"
 #include "sigFpe.H"
@@ -47,11 +48,44 @@ void reportCount(const Time& runTime, const ElutriaCloud& cloud,
 }
 
 
+//- A time step in few enough digits that the files give it back and rounding
+//  does not show: a restart goes on with the same
+scalar asWritten(const scalar value)
+{
+    OStringStream text;
+    text.precision(min(10, int(IOstream::defaultPrecision())));
+    text<< value;
+    return std::stod(text.str());
+}
+
+
+//- Write the step just done, and end the run with it if it is the last
+void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
+    const bool last)
+{
+    const WholeTime whole(runTime);
+    cloud.writeState();
+    plan.write();
+    if (last)
+    {
+        runTime.writeAndEnd();
+    }
+    else
+    {
+        runTime.write();
+    }
+    whole.finish();
+    runTime.setTime(std::stod(runTime.timeName()), runTime.timeIndex());
+}
+
+
 //- Write the state before a step that cannot be taken, to start again from
 void writeLastSound(Time& runTime, ElutriaCloud& cloud)
 {
+    const WholeTime whole(runTime);
     cloud.writeState();
     runTime.writeNow();
+    whole.finish();
     Info<< "elutria: last sound state written, time " << runTime.timeName()
         << endl;
     returnReduce(true, andOp<bool>());      // all have written
@@ -125,6 +159,7 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
 //- From the case's files to the end of the run
 void run(const argList& args)
 {
+    WholeTime::discardHalf(args.path());
     #include "createTime.H"
 
     // Divergence is found by GasPhase::unsound(), not by a trap
@@ -163,7 +198,9 @@ void run(const argList& args)
     ending::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
-    while (runTime.run())
+    // What was over before is not gone on with
+    bool drained = cloud.drained(cloud.count());
+    while (!drained && runTime.run())
     {
         #include "readTimeControls.H"
         {
@@ -171,6 +208,7 @@ void run(const argList& args)
             #include "CourantNo.H"
             #include "setDeltaT.H"
         }
+        runTime.setDeltaT(asWritten(runTime.deltaTValue()), false);
         ++runTime;
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
@@ -184,18 +222,10 @@ void run(const argList& args)
 
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
-        const bool drained = cloud.drained(count);
+        drained = cloud.drained(count);
         if (drained || runTime.writeTime())
         {
-            cloud.writeState();
-        }
-        if (drained)
-        {
-            runTime.writeAndEnd();
-        }
-        else
-        {
-            runTime.write();
+            write(runTime, cloud, plan, drained);
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);

@@ -72,6 +72,17 @@ TEST_CASE("a step far too large is taken again until it makes no energy")
     CHECK(kineticEnergy(crowd.particles) < 10*before);
 }
 
+TEST_CASE("an asked step is kept below a share of the shortest contact")
+{
+    Crowd crowd(1e-4);
+    CheckedEngine engine(std::make_unique<Engine>(crowd.settings, crowd.materials), 0.2);
+    const StepReport report = engine.advance(crowd.particles, 2e-4, 0);
+    CHECK(!report.warnings.empty());
+    CHECK(report.warnings.front().find("contact step 0.0001 s") == 0);
+    const double step = engine.engine().settings().step;
+    CHECK(step == doctest::Approx(10*engine.engine().stepLimit(crowd.particles)).epsilon(0.3));
+}
+
 TEST_CASE("a sound step is the engine's own")
 {
     Crowd crowd(0), plain = crowd;

@@ -1,0 +1,277 @@
+"""No particle is lost, whatever the mesh, and the books close: number 1e-12, mass 1e-9."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools_support"))
+import meshes
+
+from elutria.bench.common import project_root, run_program
+from elutria.verification.scene import (
+    BOX,
+    CONTACTS,
+    CONTROL,
+    MODELS,
+    Particles,
+    add_feed,
+    change,
+    make_scene,
+    read_particles,
+    run_scene,
+    times,
+)
+
+Note = Callable[[str, float, float], None]
+MODELS_OF_CONTACT = ["cellList", "none"]
+
+
+def closes(case: Path, measured: Note, least: int = 0) -> None:
+    """The ledger closes, and at least `least` particles have left."""
+    ledger = json.loads((case / "postProcessing/ledger.json").read_text())
+    for name, account in {"all": ledger["total"], **ledger["materials"]}.items():
+        assert account["lost"] == {"parcels": 0, "number": 0, "mass_kg": 0}, name
+        for kind, allowed in (("number", 1e-12), ("mass_kg", 1e-9)):
+            fed = account["injected"][kind]
+            out = sum(outlet[kind] for outlet in account["outlets"].values())
+            error = abs(fed - out - account["inside"][kind]) / max(fed, 1e-300)
+            measured(f"{name}: {kind} missing of {fed:.6g}", error, allowed)
+    left = sum(outlet["parcels"] for outlet in ledger["total"]["outlets"].values())
+    assert left >= least, f"only {left} have left"
+
+
+def meshed(folder: Path, kind: str) -> Path:
+    """A scene on one of the meshes, gas rising at 3 m/s everywhere and left as it is."""
+    case = make_scene(folder, settings={f"{BOX}:gasVelocity": 3})
+    plan = {"zigzag": meshes.zigzag, "baffle": meshes.baffled}.get(kind, meshes.cylinder)
+    (case / "system/blockMeshDict").write_text(plan())
+    shutil.rmtree(case / "constant/polyMesh")
+    shutil.rmtree(case / "0")
+    for name in ("U.air", "p"):
+        text = (case / "0.orig" / name).read_text()
+        text = re.sub(r"\binflow\b", "bottom", text)
+        text = re.sub(r"\boutflow\b", "top", text)
+        (case / "0.orig" / name).write_text(text)
+    run_program(["blockMesh"], case)
+    if kind == "warped":
+        meshes.twist(case, 0.25)
+    if kind == "polyhedra":
+        meshes.twist(case, 0.1)
+        run_program(["polyDualMesh", "75", "-overwrite", "-concaveMultiCells"], case)
+    shutil.copytree(case / "0.orig", case / "0")
+    return case
+
+
+def feed_through(
+    case: Path, place: str, number: int, contacts: str, step: float = 1e-3, seconds: float = 0.05
+) -> None:
+    """Feed `number` of 50 to 400 um within `seconds` and let them leave."""
+    sizes = {"type": "uniform", "min": 5e-5, "max": 4e-4, "weighting": "number"}
+    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    mean = 2650 * np.pi / 6 * (4e-4**4 - 5e-5**4) / 4 / 3.5e-4
+    add_feed(case, {"massFlowRate": float(mean * number / seconds), "particles": number,
+                    "velocity": [0.3, 0.1, 0.2], "drainTime": 3,
+                    "materials": {"quartz": quartz}})  # fmt: skip
+    text = (case / "constant/feed").read_text()
+    (case / "constant/feed").write_text(text.replace("patch west", place))
+    change(
+        case,
+        {
+            f"{MODELS}/collisionModel": contacts,
+            f"{CONTROL}:deltaT": step,
+            f"{CONTROL}:endTime": 4,
+            f"{CONTROL}:writeInterval": 1,
+        },
+    )
+
+
+@pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
+@pytest.mark.parametrize("kind", ["zigzag", "warped", "polyhedra", "baffle"])
+@pytest.mark.parametrize(
+    "number", [2000, pytest.param(1_000_000, marks=pytest.mark.slow, id="million")]
+)
+def test_through_hard_meshes(
+    tmp_path: Path, measured: Note, kind: str, contacts: str, number: int
+) -> None:
+    case = meshed(tmp_path / "case", kind)
+    place = "patch walls" if kind == "polyhedra" else "zone entrance"  # no zone has a dual
+    if number < 10_000:
+        feed_through(case, place, number, contacts)
+    else:
+        feed_through(case, place, number, contacts, step=2e-3, seconds=1.0)
+    run_scene(case)
+    closes(case, measured, least=number // 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
+def test_a_million_through_the_default_column(
+    tmp_path: Path, measured: Note, contacts: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(project_root() / "cases/column", case,
+                    ignore=shutil.ignore_patterns("polyMesh", "[1-9]*"))  # fmt: skip
+    change(
+        case,
+        {
+            "system/simulationParameters:particles": 1_000_000,
+            "system/simulationParameters:loading": 8,
+            "system/simulationParameters:drainTime": 1,
+            f"{MODELS}/collisionModel": contacts,
+            f"{CONTROL}:deltaT": 2e-3,
+            f"{CONTROL}:maxDeltaT": 2e-3,
+            f"{CONTROL}:maxCo": 10,
+        },
+    )
+    shutil.copytree(case / "0.orig", case / "0")
+    run_program(["blockMesh"], case)
+    run_scene(case)
+    closes(case, measured, least=500_000)
+
+
+def box(folder: Path, particles: Particles | None, contacts: str, **control: float) -> Path:
+    """A closed box, 20 mm, 4 x 4 x 4 cells, gas at rest, no gravity."""
+    return make_scene(
+        folder,
+        particles,
+        {
+            **{f"{BOX}:{name}": 0.02 for name in ("width", "depth", "height")},
+            f"{BOX}:cellsAcross": 4,
+            f"{BOX}:cellsAlong": 4,
+            f"{BOX}:ends": "wall",
+            f"{BOX}:bottomGroup": "closed",
+            f"{BOX}:topGroup": "closed",
+            f"{BOX}:gravity": 0,
+            f"{MODELS}/particleForces": {"gravity": {}},
+            f"{MODELS}/collisionModel": contacts,
+            f"{CONTACTS}/particleParticle": {"restitution": 1, "friction": 0},
+            f"{CONTACTS}/particleWall": {"restitution": 1, "friction": 0},
+            **{f"{CONTROL}:{name}": value for name, value in control.items()},
+        },
+    )
+
+
+@pytest.mark.parametrize("processors", [1, 2])
+@pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
+def test_grazing_edges_corners_and_processors(
+    tmp_path: Path, contacts: str, processors: int
+) -> None:
+    """Along cell edges, into corners, in the plane between two processors, by 1e-9 to 1e-3 rad."""
+    random = np.random.default_rng(7)
+    count, side, radius = 300, 0.02, 5e-6
+    # lines of the grid's corners and edges, and the plane z = side/2 of the processors' patch
+    place = random.integers(0, 5, (count, 3)) * side / 4
+    place[::3, 2] = side / 2
+    along = random.integers(0, 3, count)
+    place[np.arange(count), along] = random.uniform(0.2, 0.8, count) * side
+    place = np.clip(place, 1.01 * radius, side - 1.01 * radius)
+    angle = 10 ** random.uniform(-9, -3, (count, 1))
+    velocity = random.normal(0, 1, (count, 3)) * angle
+    velocity[np.arange(count), along] += random.choice([-1.0, 1.0], count)
+    velocity[::10] = random.choice([-1.0, 1.0], (len(velocity[::10]), 3))  # into the corners
+    start = Particles.of(place, velocity, diameter=2 * radius)
+    case = box(tmp_path / "case", start, contacts, deltaT=2e-3, endTime=0.2, writeInterval=0.2)
+    run_scene(case, processors)
+    if processors > 1:
+        run_program(["reconstructPar"], case)
+    after = read_particles(case, times(case)[-1])
+    assert len(after.diameter) == count
+    assert np.isfinite(after.position).all()
+    assert after.position.min() >= -1e-9
+    assert after.position.max() <= side + 1e-9
+
+
+@pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
+def test_particles_larger_than_their_cells(tmp_path: Path, measured: Note, contacts: str) -> None:
+    """Of 1 to 4 mm in cells of 1 mm, through gas that is solved."""
+    case = make_scene(
+        tmp_path / "case",
+        settings={
+            f"{BOX}:gasVelocity": 8,
+            **{f"{BOX}:{name}": 0.012 for name in ("width", "depth")},
+            f"{BOX}:height": 0.016,
+            f"{BOX}:cellsAcross": 12,
+            f"{BOX}:cellsAlong": 16,
+            "constant/kinematicCloudProperties:solution/coupled": True,
+            f"{MODELS}/collisionModel": contacts,
+            "system/scenePlan:gas": "auto",
+            "system/scenePlan:gasCourant": 1,
+            f"{CONTROL}:deltaT": 1e-3,
+            f"{CONTROL}:endTime": 0.04,
+            f"{CONTROL}:writeInterval": 0.04,
+        },
+    )
+    sizes = {"type": "uniform", "min": 1e-3, "max": 4e-3, "weighting": "number"}
+    quartz = {"density": 1000, "massFraction": 1, "sizeDistribution": sizes}
+    add_feed(case, {"massFlowRate": 0.06, "particles": 100, "velocity": [0.5, 0, 0],
+                    "drainTime": 0.1, "materials": {"quartz": quartz}})  # fmt: skip
+    run_scene(case)
+    closes(case, measured, least=10)
+
+
+def test_a_feed_on_the_faces_of_cells(tmp_path: Path, measured: Note) -> None:
+    """Every particle starts in the plane between two layers of cells."""
+    diameter, cells = 1e-3, 10
+    width = cells * 0.5 * diameter * (1 + 1e-6)
+    case = make_scene(
+        tmp_path / "case",
+        settings={
+            f"{BOX}:gasVelocity": 2,
+            **{f"{BOX}:{name}": width for name in ("width", "depth", "height")},
+            f"{BOX}:cellsAcross": cells,
+            f"{BOX}:cellsAlong": cells,
+            f"{CONTROL}:deltaT": 1e-4,
+            f"{CONTROL}:endTime": 0.05,
+            f"{CONTROL}:writeInterval": 0.05,
+        },
+    )
+    sizes = {"type": "fixedValue", "value": diameter}
+    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    feed = {"massFlowRate": 0.2, "particles": 1000, "drainTime": 0.02}
+    add_feed(case, {**feed, "materials": {"quartz": quartz}})
+    run_scene(case, processors=2)
+    closes(case, measured, least=400)
+
+
+@pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
+def test_an_outlet_that_flows_back(tmp_path: Path, measured: Note, contacts: str) -> None:
+    """Gas blows in through the outlets for the particles, downwards and then upwards."""
+    case = make_scene(
+        tmp_path / "case",
+        settings={
+            f"{BOX}:gasVelocity": 4,
+            **{f"{BOX}:{name}": 0.02 for name in ("width", "depth")},
+            f"{BOX}:height": 0.06,
+            f"{BOX}:cellsAcross": 4,
+            f"{BOX}:cellsAlong": 12,
+            "constant/kinematicCloudProperties:solution/coupled": True,
+            f"{MODELS}/collisionModel": contacts,
+            "system/scenePlan:gas": True,
+            "system/scenePlan:gasCourant": 1,
+            f"{CONTROL}:deltaT": 1e-3,
+            f"{CONTROL}:endTime": 0.3,
+            f"{CONTROL}:writeInterval": 0.1,
+        },
+    )
+    schemes = case / "system/fvSchemes"  # gas that comes in by the outlet needs a bounded one
+    schemes.write_text(schemes.read_text().replace("U.air) Gauss linear;", "U.air) Gauss upwind;"))
+    path = case / "0/U.air"
+    table = "((0 (0 0 4)) (0.03 (0 0 4)) (0.04 (0 0 -4)) (0.08 (0 0 -4)) (0.09 (0 0 4)))"
+    inflow = (
+        f"inflow {{ type uniformFixedValue; uniformValue table {table}; value $internalField; }}"
+    )
+    text = re.sub(r"inflow\s*\{[^}]*\}", inflow, path.read_text())
+    back = "outflow { type pressureInletOutletVelocity; phi phi.air; value $internalField; }"
+    path.write_text(re.sub(r"outflow\s*\{[^}]*\}", back, text))
+    feed_through(case, "patch west", 500, contacts, seconds=0.1)
+    change(case, {f"{CONTROL}:endTime": 0.3, f"{CONTROL}:writeInterval": 0.1})
+    run_scene(case)
+    closes(case, measured, least=250)
