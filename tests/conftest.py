@@ -30,6 +30,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Malformed inputs by kind, command and outcome, where such tests ran."""
+    outcomes = getattr(sys.modules.get("malformed"), "outcomes", {})
+    if outcomes:
+        terminalreporter.section("malformed inputs: kind, command, outcome, number")
+        for (kind, command, outcome), number in sorted(outcomes.items()):
+            terminalreporter.write_line(f"{kind:17} {command:12} {outcome:8} {number}")
+        terminalreporter.write_line(f"{'all':39} {sum(outcomes.values())}")
+
+
 @pytest.fixture
 def column(tmp_path: Path) -> Path:
     """A copy of the default case, to be changed at will."""

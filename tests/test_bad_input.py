@@ -12,8 +12,6 @@ import shutil
 import signal
 import sys
 import time
-from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -32,7 +30,6 @@ DICTIONARIES = [
     malformed.FEED, malformed.PARAMETERS, malformed.GAS, malformed.GRAVITY, malformed.CLOUD,
     malformed.CONTROL, "system/blockMeshDict",
 ]  # fmt: skip
-_outcomes: Counter[tuple[str, str, str]] = Counter()
 
 
 def case_inputs(seed: int) -> list[Input]:
@@ -71,18 +68,6 @@ def figure_inputs(seed: int) -> list[Input]:
 
 # no input at all: a figure goes without its fitted curves
 LEGAL = {("absent", "curve.csv")}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def counted(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Lists the outcomes when the module's tests are over."""
-    yield
-    reporter = request.config.pluginmanager.getplugin("terminalreporter")
-    reporter.ensure_newline()
-    reporter.section("malformed inputs: kind, command, outcome, number")
-    for (kind, command, outcome), number in sorted(_outcomes.items()):
-        reporter.write_line(f"{kind:16} {command:12} {outcome:8} {number}")
-    reporter.write_line(f"{'all':38} {sum(_outcomes.values())}")
 
 
 class TookTooLong(Exception):
@@ -128,7 +113,7 @@ def judge(given: Input, command: str, where: Path, code: int, said: str, seconds
         complaints.append(f"does not name {given.entry}")
     if list(where.rglob("executed")) or Path("executed").exists():
         complaints.append("executed something")
-    _outcomes[given.kind, command, "refused" if not complaints else "WRONG"] += 1
+    malformed.outcomes[given.kind, command, "refused" if not complaints else "WRONG"] += 1
     return f"{command} of {given}: {', '.join(complaints)}: {said[:300]}" if complaints else ""
 
 

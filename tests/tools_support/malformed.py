@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import random
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,6 +60,9 @@ EXECUTABLE = [
     '"; touch executed #"',
 ]
 HUGE_FILE = 6_000_000
+
+outcomes: Counter[tuple[str, str, str]] = Counter()
+"""Of this session's tests: number by kind, command, and what came of it."""
 
 
 @dataclass(frozen=True)

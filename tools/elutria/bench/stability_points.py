@@ -88,19 +88,16 @@ def coupling(folder: Path, relaxations: float, loading: float) -> Verdict:
 
     Relaxation time over step, and kg of solids per kg of gas.
     """
-    side, diameter, number = 0.01, 2e-4, 200
+    side, diameter, number, step, end = 0.01, 2e-4, 200, 1e-3, 0.02
     density = loading * GAS_DENSITY * side**3 / (number * np.pi / 6 * diameter**3)
-    relaxation = density * diameter**2 / (18 * 1.8e-5)
-    step = relaxation / relaxations
-    end = (2 if relaxations > 100 else 40) * max(step, 0.05 * relaxation)
+    viscosity = density * diameter**2 / (18 * relaxations * step)
     places = np.random.default_rng(1).uniform(0.02, 0.98, (number, 3)) * side
     start = Particles.of(places, [0.0, 0.0, 1.0], diameter=diameter, density=density)
-    end = max(math.ceil(end / step), 1) * step if end / step < 300 else 300 * step
     case = make_scene(
         folder,
         start,
-        {**PERIODIC, **cube(side, 4), f"{CLOUD}:solution/coupled": True,
-         "system/scenePlan:gas": True, **timing(step, end)},
+        {**PERIODIC, **cube(side, 4), f"{BOX}:gasNu": viscosity / GAS_DENSITY,
+         f"{CLOUD}:solution/coupled": True, "system/scenePlan:gas": True, **timing(step, end)},
     )  # fmt: skip
     output = solve(case)
     nothing_wrong(case, output)
@@ -115,14 +112,23 @@ def coupling(folder: Path, relaxations: float, loading: float) -> Verdict:
     return judged(off, 0.01, output, f"momentum drifts by {drift:.2g}, energy {energy:.3g}")
 
 
+def _energy(start: Particles, after: Particles, output: str, allowed: float) -> Verdict:
+    """Elastic spheres: off by what was gained, or by what is gone beyond what contacts can hold.
+
+    Soft contacts hold some of the energy while they last: up to a tenth is not counted.
+    """
+    change = kinetic_energy(after) / kinetic_energy(start) - 1
+    off = change if change > 0 else max(0.0, -change - 0.1)
+    return judged(off, allowed, output, f"kinetic energy changed by {change:.2g}")
+
+
 def contact_step(folder: Path, share: float, young: float) -> Verdict:
     """Elastic spheres in a box: energy kept. Sub-step over contact time, and stiffness (Pa)."""
     settings = contacts(restitution=1, friction=0, young=young, treatment="soft",
                         stepFraction=share)  # fmt: skip
     end = 0.02 if share > 0.02 and young < 1e9 else 0.004
     start, after, output = colliding(folder, settings, end=end, step=2e-4)
-    off = abs(kinetic_energy(after) / kinetic_energy(start) - 1)
-    return judged(off, 0.1, output, f"energy changed by {off:.2g}")
+    return _energy(start, after, output, 0.1)
 
 
 def dissipation(folder: Path, restitution: float, friction: float) -> Verdict:
@@ -132,20 +138,19 @@ def dissipation(folder: Path, restitution: float, friction: float) -> Verdict:
     gained = kinetic_energy(after) / kinetic_energy(start) - 1
     drift = np.linalg.norm(after.momentum - start.momentum) / (start.mass.sum() * 0.3)
     off = max(gained, float(drift), 0.0)
-    return judged(off, 1e-6, output, f"energy {1 + gained:.3g}, momentum drifts by {drift:.2g}")
+    return judged(off, 1e-3, output, f"energy {1 + gained:.6g}, momentum drifts by {drift:.2g}")
 
 
 def sizes(folder: Path, ratio: float, young: float) -> Verdict:
     """Spheres of unequal sizes collide elastically: energy. Size ratio, and stiffness (Pa)."""
     settings = contacts(restitution=1, friction=0, young=young)
     start, after, output = colliding(folder, settings, ratio=ratio, end=0.01)
-    off = abs(kinetic_energy(after) / kinetic_energy(start) - 1)
-    return judged(off, 0.02, output, f"energy changed by {off:.2g}")
+    return _energy(start, after, output, 0.02)
 
 
 def rest(folder: Path, step: float, friction: float) -> Verdict:
     """A bed settles: it comes to rest where it fits. Gas step (s), and friction."""
-    start, after, output = bed(folder, contacts(friction=friction), step=step, end=0.4)
+    start, after, output = bed(folder, contacts(friction=friction), number=32, step=step, end=0.2)
     return _settled(start, after, output)
 
 
@@ -161,7 +166,7 @@ def _settled(start: Particles, after: Particles, output: str) -> Verdict:
 def stiffness(folder: Path, young: float, restitution: float) -> Verdict:
     """A bed settles. Stiffness (Pa), and restitution."""
     settings = contacts(young=young, restitution=restitution)
-    start, after, output = bed(folder, settings, number=32, end=0.25, step=1e-3)
+    start, after, output = bed(folder, settings, number=24, end=0.2, step=1e-3)
     return _settled(start, after, output)
 
 
@@ -250,28 +255,28 @@ def against_outlet(folder: Path, opening: str, friction: float) -> Verdict:
 YOUNG = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10)
 MAPS = (
     Map("drag", "one particle falls", "relaxation time / step", (1e-4, 1e-2, 1, 1e2, 1e4),
-        "density / gas density", (1.01, 10, 100, 1e3, 1e4), drag_step),
+        "density / gas density", (1.01, 100, 1e4), drag_step),
     Map("coupling", "particles stream through gas", "relaxation time / step",
-        (1e-4, 1e-2, 1, 1e2, 1e4), "loading", (1e-5, 1e-2, 1, 10, 100), coupling),
+        (1e-4, 1e-2, 1, 1e2, 1e4), "loading", (1e-5, 0.1, 10, 100), coupling),
     Map("contactStep", "elastic spheres, soft contacts", "contact step / contact time",
-        (0.01, 0.05, 0.2, 0.5, 1, 2), "Young's modulus, Pa", YOUNG, contact_step),
-    Map("dissipation", "colliding spheres", "restitution", (0.05, 0.2, 0.5, 0.8, 0.95, 1),
-        "friction", (0, 0.1, 0.5, 1, 2), dissipation),
-    Map("sizes", "elastic spheres of two sizes", "largest / smallest", (1, 3, 10, 30, 50),
-        "Young's modulus, Pa", (1e6, 1e7, 1e9), sizes),
-    Map("rest", "a bed settles", "gas step, s", (1e-4, 1e-3, 5e-3, 2e-2, 0.1), "friction",
-        (0, 0.3, 1, 2), rest),
+        (0.01, 0.05, 0.2, 0.5, 2), "Young's modulus, Pa", (1e5, 1e7, 1e9), contact_step),
+    Map("dissipation", "colliding spheres", "restitution", (0.05, 0.3, 0.8, 1),
+        "friction", (0, 0.1, 0.5, 2), dissipation),
+    Map("sizes", "elastic spheres of two sizes", "largest / smallest", (1, 3, 10, 50),
+        "Young's modulus, Pa", (1e5, 1e7, 1e9), sizes),
+    Map("rest", "a bed settles", "gas step, s", (1e-4, 1e-3, 1e-2, 0.1), "friction",
+        (0, 0.3, 2), rest),
     Map("stiffness", "a bed settles", "Young's modulus, Pa", YOUNG, "restitution",
-        (0.05, 0.5, 0.95), stiffness),
+        (0.05, 0.95), stiffness),
     Map("cells", "gas in cells, particles of 1 mm", "cell / particle", (0.3, 0.6, 1, 3, 10, 30),
-        "particles", (1, 20, 200), cells),
-    Map("courant", "column, given steps", "Courant number", (0.05, 0.5, 1, 5, 20), "loading",
-        (1e-5, 0.1, 1, 10), courant),
-    Map("column", "column, its own steps", "gas velocity, m/s", (1, 4, 8, 16), "loading",
-        (1e-5, 0.1, 1, 10, 100, 1000), default_steps),
+        "particles", (1, 200), cells),
+    Map("courant", "column, given steps", "Courant number", (0.05, 0.5, 5, 20), "loading",
+        (1e-5, 0.1, 10), courant),
+    Map("column", "column, its own steps", "gas velocity, m/s", (1, 5, 16), "loading",
+        (1e-5, 0.1, 10, 100, 1000), default_steps),
     Map("jump", "the gas jumps", "last / first velocity", (-5, -1, 0, 0.1, 3, 10), "in s",
-        (1e-6, 0.01, 0.1), jump),
+        (1e-6, 0.05), jump),
     Map("outlet", "packed on an opening", "opening",
-        ("outlet", "outlet, gas up", "outlet, gas down", "closed"), "friction", (0, 0.5, 2),
+        ("outlet", "outlet, gas up", "outlet, gas down", "closed"), "friction", (0, 2),
         against_outlet),
 )  # fmt: skip

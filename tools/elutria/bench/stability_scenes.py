@@ -36,7 +36,7 @@ from elutria.verification.scene import (
 )
 
 Array = NDArray[np.float64]
-PATIENCE = 90
+PATIENCE = 180
 """s: a point that takes longer has failed."""
 DENSITY, GAS_DENSITY, GRAVITY = 2650.0, 1.2, 9.80665
 PERIODIC = {
@@ -85,6 +85,7 @@ def solve(case: Path) -> str:
         return done.stdout
     said = re.findall(r"elutria: failed: (.*)", done.stdout)
     reason = said[-1] if said else f"exit code {done.returncode}"
+    reason = reason.replace(f"{case.resolve()}/", "")
     # with a reason, and its last sound state kept, a run is marked for what it is
     told = bool(said) and (done.returncode == 2 or "last sound state written" in done.stdout)
     raise EndedEarly(Verdict("refused" if told else "failed", note=reason[:200]))
