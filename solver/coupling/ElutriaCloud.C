@@ -283,8 +283,11 @@ ElutriaCloud::ElutriaCloud
     inertialDispersion_(nullptr),
     stockMotion_(false),
     impulse_(mesh().nCells(), Zero),
+    arrived_(mesh().nCells(), Zero),
+    injectedFrom_(0),
     window_(0),
     retakes_(0),
+    volumeShares_(mesh()),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     ownWake_(particleProperties().subOrEmptyDict("ownWake")),
     wakeInGas_(false),
@@ -319,6 +322,7 @@ void ElutriaCloud::evolve()
     if (solution().canEvolve())
     {
         trackingData td(*this);
+        injectedFrom_ = this->size();
         solve(*this, td);
     }
 }
@@ -331,6 +335,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
 
     const scalar dt = solution().trackTime();
     window_ += dt;
+    countArrivals();
 
     if (stockMotion_)
     {

@@ -24,6 +24,28 @@ scalar ElutriaCloud::response(const label k) const
 }
 
 
+void ElutriaCloud::countArrival(const parcelType& p, const scalar sign)
+{
+    volumeShares_.add
+    (
+        arrived_, p.cell(), p.position(), sign*p.nParticle()*p.volume()
+    );
+}
+
+
+void ElutriaCloud::countArrivals()
+{
+    label k = 0;
+    for (const parcelType& p : *this)
+    {
+        if (k++ >= injectedFrom_)
+        {
+            countArrival(p, 1);
+        }
+    }
+}
+
+
 void ElutriaCloud::seeUndisturbedGas
 (
     const parcelType& p,
@@ -151,6 +173,7 @@ void ElutriaCloud::drop()
 {
     wakeInGas_ = false;
     impulse_ = Zero;
+    arrived_ = Zero;
     window_ = 0;
 }
 
@@ -163,7 +186,10 @@ const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
     theta = 0;
     for (const parcelType& p : *this)
     {
-        theta[p.cell()] += p.nParticle()*p.volume();
+        volumeShares_.add
+        (
+            theta, p.cell(), p.position(), p.nParticle()*p.volume()
+        );
         largest = max(largest, p.d());
     }
     theta /= mesh().V();
@@ -184,6 +210,20 @@ const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
     reduce(excessVolume_, sumOp<scalar>());
     theta_.correctBoundaryConditions();
     return theta_;
+}
+
+
+tmp<volScalarField> ElutriaCloud::arrivedFraction() const
+{
+    auto tfraction = tmp<volScalarField>::New
+    (
+        passingField("arrivedFraction"), mesh(), dimensionedScalar(dimless, Zero),
+        zeroGradientFvPatchScalarField::typeName
+    );
+    tfraction.ref().primitiveFieldRef() = arrived_/mesh().V();
+    kernel_.spread(tfraction.ref());
+    tfraction.ref().correctBoundaryConditions();
+    return tfraction;
 }
 
 

@@ -229,6 +229,7 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
             if (!td.keepParticle)
             {
                 deposit(p, flight);
+                countArrival(p, -1);
                 delete moving.remove(&p);
             }
             else if (td.switchProcessor)

@@ -294,6 +294,19 @@ void GasPhase::setSolidFraction(const volScalarField& solid)
 }
 
 
+void GasPhase::setArrived(const volScalarField& solid)
+{
+    volScalarField& before = alpha_.oldTime();
+    const scalar least = min(gMin(alpha_), gMin(before));
+    before.primitiveFieldRef() = min
+    (
+        max(before.primitiveField() - solid.primitiveField(), least),
+        scalar(1)
+    );
+    before.correctBoundaryConditions();
+}
+
+
 void GasPhase::solve
 (
     const volVectorField& force,
