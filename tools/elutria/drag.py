@@ -81,6 +81,7 @@ LAWS: dict[str, DragLaw] = {
     "Di Felice": di_felice,
 }
 
+
 def wen_yu(reynolds: float, void: float) -> float:
     """Schiller-Naumann at the superficial Re, times void^-2.65 (1/void in our gas equation).
 

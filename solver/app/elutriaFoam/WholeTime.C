@@ -22,7 +22,8 @@ namespace Foam
 namespace
 {
 
-const word markName("elutriaUnfinished");
+//- Beside the time folders, so that it comes before the folder and goes after it
+const std::string markPrefix("elutriaUnfinished.");
 
 
 //- OpenFOAM's files begin with a banner and end with one
@@ -48,12 +49,9 @@ std::string firstHalfFile(const fileName& folder)
         std::filesystem::recursive_directory_iterator(folder.c_str())
     )
     {
-        if (entry.is_regular_file() && entry.path().filename().string() != markName)
+        if (entry.is_regular_file() && !isWhole(entry.path()))
         {
-            if (!isWhole(entry.path()))
-            {
-                return entry.path().string();
-            }
+            return entry.path().string();
         }
     }
     return "";
@@ -64,15 +62,14 @@ std::string firstHalfFile(const fileName& folder)
 
 WholeTime::WholeTime(const Time& runTime)
 :
-    runTime_(runTime),
-    mark_(runTime.timePath()/markName)
+    folder_(runTime.timePath()),
+    mark_(folder_.path()/(markPrefix + folder_.name()))
 {
-    mkDir(mark_.path());
     const bool made = bool(std::ofstream(mark_) << "being written\n" << std::flush);
     if (!returnReduce(made, andOp<bool>()))
     {
         FatalErrorInFunction
-            << "cannot write " << runTime.timePath() << ": is the disk full or"
+            << "cannot write " << folder_ << ": is the disk full or"
             << " the folder read-only?" << exit(FatalError);
     }
 }
@@ -80,11 +77,11 @@ WholeTime::WholeTime(const Time& runTime)
 
 void WholeTime::finish() const
 {
-    string half(firstHalfFile(mark_.path()));
+    const string half(firstHalfFile(folder_));
     if (!returnReduce(half.empty(), andOp<bool>()))
     {
         FatalErrorInFunction
-            << "cannot write " << (half.empty() ? mark_.path() : half)
+            << "cannot write " << (half.empty() ? folder_ : half)
             << ": is the disk full? The run can go on from the time before"
             << exit(FatalError);
     }
@@ -95,11 +92,11 @@ void WholeTime::finish() const
 void WholeTime::discardHalf(const fileName& folder)
 {
     wordHashSet names;
-    for (const fileName& name : readDir(folder, fileName::DIRECTORY))
+    for (const fileName& file : readDir(folder, fileName::FILE, false))
     {
-        if (isFile(folder/name/markName, false))
+        if (file.startsWith(markPrefix))
         {
-            names.insert(name);
+            names.insert(file.substr(markPrefix.size()));
         }
     }
     Pstream::combineGather(names, plusEqOp<wordHashSet>());
@@ -111,7 +108,11 @@ void WholeTime::discardHalf(const fileName& folder)
             << " left out" << endl;
         rmDir(folder/name);
     }
-    returnReduce(true, andOp<bool>());      // none reads before all are gone
+    returnReduce(true, andOp<bool>());      // no mark goes before all folders
+    for (const word& name : names)
+    {
+        rm(folder/(markPrefix + name));
+    }
 }
 
 

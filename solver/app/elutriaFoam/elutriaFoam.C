@@ -61,9 +61,8 @@ scalar asWritten(const scalar value)
 
 //- Write the step just done, and end the run with it if it is the last
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
-    const bool last)
+    const WholeTime& whole, const bool last)
 {
-    const WholeTime whole(runTime);
     cloud.writeState();
     plan.write();
     if (last)
@@ -117,6 +116,7 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
     ScenePlan& plan, const scalar largestSolidFraction)
 {
     gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+    gas.setArrived(cloud.arrivedFraction());
     if (cloud.excessVolume() > 0)
     {
         Info<< "    Warning: " << cloud.excessVolume()
@@ -212,6 +212,12 @@ void run(const argList& args)
         ++runTime;
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
+        // OpenFOAM's models write some of their files while they work
+        autoPtr<WholeTime> whole
+        (
+            runTime.writeTime() ? new WholeTime(runTime) : nullptr
+        );
+
         moveParticles(runTime, cloud);
         plan.account(ScenePlan::partParticles);
 
@@ -223,9 +229,13 @@ void run(const argList& args)
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
         drained = cloud.drained(count);
-        if (drained || runTime.writeTime())
+        if (drained && !whole)
         {
-            write(runTime, cloud, plan, drained);
+            whole.reset(new WholeTime(runTime));
+        }
+        if (whole)
+        {
+            write(runTime, cloud, plan, *whole, drained);
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);
