@@ -68,22 +68,39 @@ WholeTime::WholeTime(const Time& runTime)
     const bool made = bool(std::ofstream(mark_) << "being written\n" << std::flush);
     if (!returnReduce(made, andOp<bool>()))
     {
-        FatalErrorInFunction
-            << "cannot write " << folder_ << ": is the disk full or"
-            << " the folder read-only?" << exit(FatalError);
+        breakOff(folder_);
     }
 }
 
 
-void WholeTime::finish() const
+void WholeTime::breakOff(const fileName& file) const
 {
-    const string half(firstHalfFile(folder_));
+    FatalErrorInFunction
+        << "cannot write " << file << ": is the disk full or the folder"
+        << " read-only? The run can go on from the time before"
+        << exit(FatalError);
+}
+
+
+void WholeTime::write(const std::function<void()>& work) const
+{
+    string half;
+    try
+    {
+        work();
+        half = firstHalfFile(folder_);
+    }
+    catch (const IOerror& error)
+    {
+        half = error.ioFileName();
+        if (Pstream::parRun())
+        {
+            breakOff(fileName(half));   // the others may wait within the work
+        }
+    }
     if (!returnReduce(half.empty(), andOp<bool>()))
     {
-        FatalErrorInFunction
-            << "cannot write " << (half.empty() ? folder_ : half)
-            << ": is the disk full? The run can go on from the time before"
-            << exit(FatalError);
+        breakOff(half.empty() ? folder_ : fileName(half));
     }
     rm(mark_);
 }

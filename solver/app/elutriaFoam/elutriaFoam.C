@@ -63,17 +63,19 @@ scalar asWritten(const scalar value)
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
     const WholeTime& whole, const bool last)
 {
-    cloud.writeState();
-    plan.write();
-    if (last)
+    whole.write([&]()
     {
-        runTime.writeAndEnd();
-    }
-    else
-    {
-        runTime.write();
-    }
-    whole.finish();
+        cloud.writeState();
+        plan.write();
+        if (last)
+        {
+            runTime.writeAndEnd();
+        }
+        else
+        {
+            runTime.write();
+        }
+    });
     runTime.setTime(std::stod(runTime.timeName()), runTime.timeIndex());
 }
 
@@ -81,10 +83,11 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
 //- Write the state before a step that cannot be taken, to start again from
 void writeLastSound(Time& runTime, ElutriaCloud& cloud)
 {
-    const WholeTime whole(runTime);
-    cloud.writeState();
-    runTime.writeNow();
-    whole.finish();
+    WholeTime(runTime).write([&]()
+    {
+        cloud.writeState();
+        runTime.writeNow();
+    });
     Info<< "elutria: last sound state written, time " << runTime.timeName()
         << endl;
     returnReduce(true, andOp<bool>());      // all have written
