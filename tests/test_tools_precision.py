@@ -37,7 +37,7 @@ def test_four_times_the_parcels_halve_the_interval() -> None:
 def test_as_many_further_runs_as_the_square_root_law_asks_for() -> None:
     run = run_of(2000)
     now = d50_half_width(run)
-    assert Precision(1.01 * now).further_runs(run, 1) == 0
+    assert Precision(1.01 * now).further_runs(run, 1) is None
     assert Precision(now / 1.2).further_runs(run, 4) == 2
     assert Precision(now / 10).further_runs(run, 4) == 4  # no more than there were
     assert Precision(now / 10, most_runs=5).further_runs(run, 4) == 1
@@ -47,7 +47,7 @@ def test_as_many_further_runs_as_the_square_root_law_asks_for() -> None:
 def test_without_a_cut_there_is_nothing_to_know() -> None:
     run = run_of(500, cut=5e-3, largest=1e-3)
     assert np.isnan(d50_half_width(run))
-    assert Precision(0.01).reached(run)
+    assert Precision(0.01).further_runs(run, 1) is None
 
 
 @pytest.mark.parametrize("value", [0.0, -0.1, 1.0, float("nan")])

@@ -70,6 +70,11 @@ def meshed(folder: Path, kind: str) -> Path:
     return case
 
 
+def entrance(kind: str) -> str:
+    """Where the feed of a mesh comes in."""
+    return "patch walls" if kind == "polyhedra" else "zone entrance"  # no zone has a dual
+
+
 def feed_through(
     case: Path, place: str, number: int, contacts: str, step: float = 1e-3, seconds: float = 0.05
 ) -> None:
@@ -93,22 +98,26 @@ def feed_through(
     )
 
 
+HARD_MESHES = pytest.mark.parametrize("kind", ["zigzag", "warped", "polyhedra", "baffle"])
+
+
 @pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
-@pytest.mark.parametrize("kind", ["zigzag", "warped", "polyhedra", "baffle"])
-@pytest.mark.parametrize(
-    "number", [2000, pytest.param(1_000_000, marks=pytest.mark.slow, id="million")]
-)
-def test_through_hard_meshes(
-    tmp_path: Path, measured: Note, kind: str, contacts: str, number: int
-) -> None:
+@HARD_MESHES
+def test_through_hard_meshes(tmp_path: Path, measured: Note, kind: str, contacts: str) -> None:
     case = meshed(tmp_path / "case", kind)
-    place = "patch walls" if kind == "polyhedra" else "zone entrance"  # no zone has a dual
-    if number < 10_000:
-        feed_through(case, place, number, contacts)
-    else:
-        feed_through(case, place, number, contacts, step=2e-3, seconds=1.0)
+    feed_through(case, entrance(kind), 2000, contacts)
     run_scene(case)
-    closes(case, measured, least=number // 2)
+    closes(case, measured, least=1000)
+
+
+@pytest.mark.slow
+@HARD_MESHES
+def test_a_million_through_hard_meshes(tmp_path: Path, measured: Note, kind: str) -> None:
+    """Without contacts: a million so close would jam, and it is the tracking that may lose one."""
+    case = meshed(tmp_path / "case", kind)
+    feed_through(case, entrance(kind), 1_000_000, "none", step=2e-3, seconds=1.0)
+    run_scene(case)
+    closes(case, measured, least=500_000)
 
 
 @pytest.mark.slow

@@ -24,19 +24,17 @@ class Precision:
         if self.most_runs < 1:
             raise InputError(f"--most-runs {self.most_runs}; allowed: a whole number >= 1")
 
-    def reached(self, run: Run) -> bool:
-        """Whether every material's cut is known as asked; one without a cut has nothing to know."""
-        return not d50_half_width(run) > self.half_width
+    def further_runs(self, run: Run, runs: int) -> int | None:
+        """How many more runs like the `runs` joined in `run` should do, None if it is precise.
 
-    def further_runs(self, run: Run, runs: int) -> int:
-        """How many more runs like the `runs` joined in `run` should do, 0 if it is precise.
-
-        The half-width falls with the square root of the number of parcels. A first guess may be
-        poor, so there are never more further runs than there have been.
+        Precise: every material's cut is known as asked; one without a cut has nothing to know. 0:
+        it is not, but there are as many runs as there may be. The half-width falls with the square
+        root of the number of parcels. A first guess may be poor, so there are never more further
+        runs than there have been.
         """
-        if self.reached(run):
-            return 0
         ratio = d50_half_width(run) / self.half_width
+        if not ratio > 1:
+            return None
         wanted = ceil(runs * ratio**2) - runs if isfinite(ratio) else runs
         return max(min(wanted, runs, self.most_runs - runs), 0)
 

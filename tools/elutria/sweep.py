@@ -206,9 +206,10 @@ class _Course:
         except InputError:
             return []  # told when the tables are made
         count = self.precision.further_runs(run, len(group))
-        if count == 0 and not self.precision.reached(run):
+        if count == 0:
             self.result.imprecise.append(velocity)
-        further = [_replicate(self.case, group[0], len(group) + k) for k in range(1, count + 1)]
+        first = len(group) + 1
+        further = [_replicate(self.case, group[0], first + k) for k in range(count or 0)]
         self.members += further
         return self.not_finished(further)
 

@@ -251,6 +251,7 @@ GasPhase::GasPhase
         )
     ),
     cumulativeContinuityError_(0),
+    courantRate_(-1),
     extraSteps_(0)
 {
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
@@ -317,6 +318,7 @@ void GasPhase::solve
     Time& runTime = const_cast<Time&>(mesh_.time());
     const scalar runStep = runTime.deltaTValue();
     runTime.setDeltaT(dt, false);
+    courantRate_ = -1;
 
     while (pimple_.loop())
     {
@@ -370,8 +372,12 @@ scalar GasPhase::relative(const volVectorField& change) const
 
 scalar GasPhase::courantRate() const
 {
-    const scalarField outflow(fvc::surfaceSum(mag(phi_))().primitiveField());
-    return max(0.5*gMax(outflow/mesh_.V().field()), VSMALL);
+    if (courantRate_ < 0)
+    {
+        const scalarField through(fvc::surfaceSum(mag(phi_))().primitiveField());
+        courantRate_ = max(0.5*gMax(through/mesh_.V().field()), VSMALL);
+    }
+    return courantRate_;
 }
 
 

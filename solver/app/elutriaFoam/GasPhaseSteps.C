@@ -205,6 +205,7 @@ tmp<volVectorField> GasPhase::advance
         }
 
         before.restore();
+        courantRate_ = -1;
         if (attempt == retakes)
         {
             throw UnsoundStep

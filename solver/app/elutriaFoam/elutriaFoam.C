@@ -207,8 +207,8 @@ void run(const argList& args)
     {
         #include "readTimeControls.H"
         {
-            const surfaceScalarField& phi = gas.phi();
-            #include "CourantNo.H"
+            const scalar CoNum = gas.courantRate()*runTime.deltaTValue();
+            Info<< "Courant Number max: " << CoNum << endl;
             #include "setDeltaT.H"
         }
         runTime.setDeltaT(asWritten(runTime.deltaTValue()), false);
