@@ -394,7 +394,33 @@ scalar ElutriaCloud::shortestContact
     }
     return
         contacts_->engine().stepLimit(pair, speed)
-       /contacts_->engine().settings().stepFraction;
+       /contactStepFraction();
+}
+
+
+scalar ElutriaCloud::deepestOverlap(const scalar speed) const
+{
+    scalar deepest = 0;
+    for (const Feed::Material& m : feed_->materials())
+    {
+        deepest = max
+        (
+            deepest,
+            contacts_->engine().expectedOverlap
+            (
+                0.5*m.sizes.max(), m.density, speed
+            )
+        );
+    }
+    return deepest;
+}
+
+
+bool ElutriaCloud::softOnly() const
+{
+    return
+        contacts_->engine().settings().treatment
+     == elutria::dem::ContactTreatment::soft;
 }
 
 

@@ -66,6 +66,9 @@ scalar relaxationTime
     return density*sqr(diameter)/(18*mu)/(1 + 0.15*std::pow(Re, 0.687));
 }
 
+//- Overlap over radius above which soft spheres are no longer spheres
+constexpr scalar largestOverlap = 0.05;
+
 } // End anonymous namespace
 
 
@@ -107,6 +110,26 @@ ScenePlan::Expected ScenePlan::expect(const Feed& feed) const
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
+void ScenePlan::announceStiffness(const ElutriaCloud& cloud) const
+{
+    const scalar overlap = cloud.deepestOverlap(gas_.meanSpeed());
+    const bool tooSoft = cloud.softOnly() && overlap > largestOverlap;
+    row
+    (
+        "stiffness", tooSoft ? "too low" : "enough",
+        "overlap " + percent(overlap) + " of the radius at the gas' speed"
+      + (cloud.softOnly() ? "" : ", if that were soft")
+    );
+    if (tooSoft)
+    {
+        Info<< "    Warning: contacts at the gas' speed overlap by "
+            << percent(overlap).c_str() << " of the radius, allowed: "
+            << percent(largestOverlap).c_str()
+            << "; raise youngsModulus or normalStiffness" << nl;
+    }
+}
+
+
 void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
 {
     static const char* const forced[] = {"as the scene allows", "always", "never"};
@@ -143,9 +166,11 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
             row
             (
                 "contact steps", "where something touches",
-                "shortest contact " + number(contact) + " s, step "
+                "shortest contact " + number(contact) + " s, its steps "
+              + number(contact*cloud.contactStepFraction()) + " s; gas step "
               + number(dt) + " s"
             );
+            announceStiffness(cloud);
         }
         row
         (

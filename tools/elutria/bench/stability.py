@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 
 from elutria.bench.common import Options, machine, write_result
 from elutria.bench.stability_points import MAPS, Map
-from elutria.bench.stability_scenes import EndedEarly
-from elutria.errors import InputError
+from elutria.bench.stability_scenes import EndedEarly, Verdict
+from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
 from elutria.plots import COLUMN_WIDTH, STYLE
 
@@ -67,6 +67,8 @@ def measure(one: Map, place: Path, say: Callable[[str], None]) -> list[dict[str,
                 verdict = one.point(folder, x, y)
             except EndedEarly as end:
                 verdict = end.verdict
+            except ElutriaError as error:
+                verdict = Verdict("failed", note=str(error))
             shutil.rmtree(folder, ignore_errors=True)
             seconds = time.monotonic() - start
             rows.append({
