@@ -219,8 +219,8 @@ def courant(folder: Path, number: float, loading: float) -> Verdict:
         return float(np.sqrt(np.mean((one - exact) ** 2) / np.mean(exact**2)))
 
     off, chance = differs(gas), differs(other)
-    return judged(max(0.0, off - chance), 0.1, output,
-                  f"gas differs by {off:.2g} from that in fine steps, by {chance:.2g} by chance")  # fmt: skip
+    what = f"gas differs by {off:.2g} from that in fine steps, by {chance:.2g} by chance"
+    return judged(max(0.0, off - chance), 0.1, output, what)
 
 
 def default_steps(folder: Path, velocity: float, loading: float) -> Verdict:
