@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from elutria.bench.common import project_root, run_program
+from elutria.bench.stability_scenes import PERIODIC
 from elutria.verification.scene import (
     BOX,
     CLOUD,
@@ -21,14 +22,6 @@ from elutria.verification.scene import (
     read_particles,
     run_scene,
 )
-
-PERIODIC = {
-    f"{BOX}:sides": "cyclic",
-    f"{BOX}:ends": "cyclic",
-    f"{BOX}:bottomGroup": "closed",
-    f"{BOX}:topGroup": "closed",
-    f"{BOX}:gravity": 0,
-}
 
 
 @pytest.mark.parametrize(

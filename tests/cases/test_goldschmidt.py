@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import gzip
-import shutil
 from pathlib import Path
 
 import pytest
 
 from elutria.bench.common import run_program
+from elutria.bench.stock import TUTORIAL, copy_tutorial
 from elutria.verification.scene import CONTROL, MODELS, change, run_scene
-
-TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
 
 
 @pytest.mark.skipif(not TUTORIAL.is_dir(), reason="Debian's openfoam-examples are not installed")
 @pytest.mark.parametrize("solver", ["elutriaFoam", "DPMFoam"])
 def test_three_steps_of_the_tutorial(tmp_path: Path, solver: str) -> None:
-    case = tmp_path / "case"
-    shutil.copytree(TUTORIAL, case)
-    for packed in case.rglob("*.gz"):
-        packed.with_suffix("").write_bytes(gzip.decompress(packed.read_bytes()))
-        packed.unlink()
+    case = copy_tutorial(tmp_path / "case")
     change(
         case,
         {f"{MODELS}/collisionModel": "cellList", f"{CONTROL}:endTime": 6e-5},

@@ -6,13 +6,18 @@ from __future__ import annotations
 
 import re
 import shutil
-import statistics
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 
-from elutria.bench.common import Options, project_root, run_program, write_result
+from elutria.bench.common import (
+    Options,
+    against_stock,
+    project_root,
+    run_program,
+    write_result,
+)
 from elutria.errors import ElutriaError
 from elutria.verification.scene import BOX, CONTROL, MODELS, change
 
@@ -51,7 +56,10 @@ def run(options: Options) -> None:
         for name, values in seconds.items():
             options.say(f"{repeat + 1}: {name}: {values[-1]:.4g} s a step")
     steps = {"stock DPMFoam": STOCK_STEP, "elutriaFoam": OUR_STEP}
-    rows = [_row(name, steps, seconds, particles) for name in steps]
+    rows = [
+        {**against_stock(name, steps, seconds, "stock DPMFoam"), "particles": particles}
+        for name in steps
+    ]
     write_result(options, NAME, COLUMNS, rows, _figure(rows))
     shutil.rmtree(options.folder / "runs")
 
@@ -116,25 +124,6 @@ def _our_step(case: Path) -> float:
     steps = int(report.split("needed in ")[1].split()[0])
     parts = re.findall(r"^ +(?:particles|exchange|gas|output) +\S+ % +(\S+) s$", report, re.M)
     return sum(map(float, parts)) / steps
-
-
-def _row(
-    name: str, steps: dict[str, float], seconds: dict[str, list[float]], particles: int
-) -> dict[str, Any]:
-    per_second = [value / steps[name] for value in seconds[name]]
-    stock = [value / STOCK_STEP for value in seconds["stock DPMFoam"]]
-    return {
-        "variant": name,
-        "time_step_s": steps[name],
-        "particles": particles,
-        "seconds_per_step": statistics.median(seconds[name]),
-        "low": min(seconds[name]),
-        "high": max(seconds[name]),
-        "seconds_per_simulated_second": statistics.median(per_second),
-        "speed_over_stock": statistics.median(
-            s / own for s, own in zip(stock, per_second, strict=True)
-        ),
-    }
 
 
 def _figure(rows: list[dict[str, Any]]) -> plt.Figure:

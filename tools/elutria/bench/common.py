@@ -78,6 +78,26 @@ def paired(
     return {name: Timing(tuple(values)) for name, values in seconds.items()}
 
 
+def against_stock(
+    name: str, steps: Mapping[str, float], seconds: Mapping[str, Sequence[float]], stock: str
+) -> dict[str, Any]:
+    """A row: variant, step (s), wall seconds of its steps, of a simulated second, over stock's.
+
+    `seconds` are those of single steps, taken in turns, so that the k-th of all belong together.
+    """
+    own = [value / steps[name] for value in seconds[name]]
+    others = [value / steps[stock] for value in seconds[stock]]
+    return {
+        "variant": name,
+        "time_step_s": steps[name],
+        "seconds_per_step": statistics.median(seconds[name]),
+        "low": min(seconds[name]),
+        "high": max(seconds[name]),
+        "seconds_per_simulated_second": statistics.median(own),
+        "speed_over_stock": statistics.median(o / s for o, s in zip(others, own, strict=True)),
+    }
+
+
 def run_program(arguments: Sequence[str | Path], folder: Path | None = None) -> str:
     """Output of a program that must succeed. Raises ElutriaError with its last line else."""
     try:
