@@ -331,11 +331,11 @@ void ElutriaCloud::evolve()
 template<class TrackCloudType>
 void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
 {
+    countInjected();
     enterFeed(td);
 
     const scalar dt = solution().trackTime();
     window_ += dt;
-    countArrivals();
 
     if (stockMotion_)
     {

@@ -65,6 +65,7 @@ void ElutriaCloud::enterFeed(trackingData& td)
         injection_->setParcel(i, *parcel);
         checkParcelProperties(*parcel, dt, true);
         addParticle(parcel);
+        countArrival(*parcel, 1);
     }
 }
 

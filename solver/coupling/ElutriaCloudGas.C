@@ -33,8 +33,12 @@ void ElutriaCloud::countArrival(const parcelType& p, const scalar sign)
 }
 
 
-void ElutriaCloud::countArrivals()
+void ElutriaCloud::countInjected()
 {
+    if (this->size() == injectedFrom_)
+    {
+        return;
+    }
     label k = 0;
     for (const parcelType& p : *this)
     {
