@@ -23,6 +23,9 @@ namespace
 
 constexpr scalar piBy6 = constant::mathematical::pi/6;
 
+//- Less is a foam, or a density in g/cm3 [kg/m3]
+constexpr scalar leastDensity = 10;
+
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
     const scalar value = dict.get<scalar>(entry);
@@ -49,7 +52,7 @@ scalar readPositive(const dictionary& dict, const word& entry)
 Feed::Material::Material(const word& name, const dictionary& dict)
 :
     name(name),
-    density(readPositive(dict, "density")),
+    density(readAtLeast(dict, "density", leastDensity)),
     sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
     massFraction(readAtLeast(dict, "massFraction", 0)),
     numberFraction(0),

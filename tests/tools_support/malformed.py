@@ -34,6 +34,7 @@ SCALES = [  # the number in a common wrong unit
     (FEED, "max", "2000"),
     (FEED, "max", "2"),
     (FEED, "density", "2650000"),
+    (FEED, "density", "2.65"),
     (GAS, "nu", "15"),
     (GAS, "rho.air", "1.2e6"),
     (PARAMETERS, "gasVelocity", "6000"),

@@ -14,6 +14,8 @@ ENTRIES = (
     "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
     "particles", "parcels", "drainTime", "velocity", "seed", "materials",
 )  # fmt: skip
+LEAST_DENSITY = 10
+"""kg/m3: less is a foam, or a density in g/cm3."""
 MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
 
 
@@ -156,7 +158,7 @@ def _read_materials(entries: Dictionary) -> list[Material]:
         materials.append(
             Material(
                 name=name,
-                density=entry.number("density", at_least=1, at_most=3e4, unit="kg/m3"),
+                density=entry.number("density", at_least=LEAST_DENSITY, at_most=3e4, unit="kg/m3"),
                 sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
                 sizes=read_size_distribution(entry.sub("sizeDistribution")),

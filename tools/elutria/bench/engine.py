@@ -1,11 +1,13 @@
 """The contact engine beside LIGGGHTS and LAMMPS: spheres that fall and settle in a periodic box.
 
 25 000 spheres of 2.5 mm in 75 x 75 mm (periodic) x 250 mm, Hertz with tangential history,
-E 1e7 Pa, nu 0.35, restitution 0.9, friction 0.1, density 2526 kg/m3, step 1e-5 s: 10 000 steps of
-falling and 10 000 mostly settled, one core each. The peers get inputs written here, with the same
-stiffness. Times are of the processor. LAMMPS' fast pair style takes a damping constant instead of
-the restitution; it is set to the one that gives 0.9 at 1 m/s.
-Options: steps=10000 (of each of the two stages), particles=25000, lammps=FOLDER (with lmp and, if
+E 1e7 Pa, nu 0.35, restitution 0.9, friction 0.1, density 2526 kg/m3, step 1e-5 s: 10 000 steps
+each of falling, of settling (the last ones land) and settled, one core each. The peers get inputs
+written here, with the same stiffness. Times are of the processor. LAMMPS' fast pair style takes a
+damping constant instead of the restitution; it is set to the one that gives 0.9 at 1 m/s, and
+slower contacts lose less. Its slower style `granular` has our law: it shows whether the physics
+agrees.
+Options: steps=10000 (of each of the three stages), particles=25000, lammps=FOLDER (with lmp and, if
 it needs them, libraries).
 """
 
@@ -20,6 +22,7 @@ import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -32,6 +35,7 @@ from elutria.errors import ElutriaError
 from elutria.plots import COLUMN_WIDTH, STYLE
 
 NAME = "engine"
+STAGES = ("falling", "settling", "settled")
 HELP = "contact engine beside LIGGGHTS and LAMMPS, settling spheres"
 
 COLUMNS = (
@@ -59,7 +63,7 @@ CROWDED_HEIGHT = 0.09
 
 @dataclass(frozen=True)
 class Stage:
-    """What a code did in one of the two stages."""
+    """What a code did in one of the three stages."""
 
     code: str
     stage: str
@@ -84,7 +88,8 @@ def run(options: Options) -> None:
     lmp = find_lammps(options.extra.get("lammps"))
     if lmp is not None:
         environment = {"LD_LIBRARY_PATH": str(lmp.parent)}
-        codes["lammps"] = lambda: run_peer("lammps", [str(lmp)], environment, particles, steps)
+        for code in ("lammps", "lammps granular"):
+            codes[code] = partial(run_peer, code, [str(lmp)], environment, particles, steps)
     for code, how in INSTALL.items():
         if code not in codes:
             options.say(f"{code} is not installed and left out; to install it: {how}")
@@ -156,7 +161,7 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
     """A row per code and stage: medians over the repeats."""
     rows: list[dict[str, Any]] = []
     for code in dict.fromkeys(s.code for s in stages):
-        for stage in ("falling", "settled"):
+        for stage in STAGES:
             mine = [s for s in stages if (s.code, s.stage) == (code, stage)]
             own = [s.seconds for s in stages if (s.code, s.stage) == ("elutria", stage)]
             seconds = median(s.seconds for s in mine)
@@ -178,14 +183,14 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
 
 
 def run_elutria(particles: int, steps: int) -> list[Stage]:
-    """Both stages through the engine's own program."""
+    """All stages through the engine's own program."""
     output = run_program(
         [
             built("elutriaDemBench"),
             "box",
             f"particles={particles}",
             f"width={box_width(particles)}",
-            f"steps={2 * steps}",
+            f"steps={3 * steps}",
             f"report={steps}",
         ]
     )
@@ -200,17 +205,19 @@ def run_elutria(particles: int, steps: int) -> list[Stage]:
             line["mean_height_m"],
             line["coordination"],
         )
-        for stage, line in zip(
-            ("falling", "settled"), map(json.loads, output.splitlines()), strict=True
-        )
+        for stage, line in zip(STAGES, map(json.loads, output.splitlines()), strict=True)
     ]
 
 
 def run_peer(
     code: str, command: list[str], environment: dict[str, str], particles: int, steps: int
 ) -> list[Stage]:
-    """Both stages through LIGGGHTS or LAMMPS with an input written here."""
-    write = liggghts_input if code == "liggghts" else lammps_input
+    """All stages through LIGGGHTS or LAMMPS with an input written here."""
+    write = {
+        "liggghts": liggghts_input,
+        "lammps": lambda *size: lammps_input(*size, fast_law()),
+        "lammps granular": lambda *size: lammps_input(*size, same_law()),
+    }[code]
     lines: list[str] = []
     used: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -243,16 +250,16 @@ def processor_seconds(process: int) -> float:
 
 
 def read_peer(code: str, log: str, used: list[float]) -> list[Stage]:
-    """The last two runs of a log: loop times, memory, and the last line of thermo output."""
-    loops = [float(x) for x in re.findall(r"Loop time of ([0-9.eE+-]+)", log)][-2:]
+    """The last three runs of a log: loop times, memory, and the last line of thermo output."""
+    loops = [float(x) for x in re.findall(r"Loop time of ([0-9.eE+-]+)", log)][-3:]
     memory = [float(x) for x in re.findall(r"Memory usage per processor = ([0-9.eE+-]+)", log)]
     memory += [
         float(x) for x in re.findall(r"Per MPI rank memory.*= [0-9.eE+-]+ \| ([0-9.eE+-]+)", log)
     ]
     number = r"\s+([0-9.eE+-]+)"
     last_lines = re.findall(rf"^\s*\d+\s+\d+{number * 3}.*\n\s*Loop", log, re.MULTILINE)
-    if len(loops) != 2 or len(last_lines) < 2:
-        raise ElutriaError(f"{code}: its log holds no two runs")
+    if len(loops) != 3 or len(last_lines) < 3:
+        raise ElutriaError(f"{code}: its log holds no three runs")
     return [
         Stage(
             code,
@@ -263,7 +270,7 @@ def read_peer(code: str, log: str, used: list[float]) -> list[Stage]:
             *(float(value) for value in values),
         )
         for stage, processor, seconds, values in zip(
-            ("falling", "settled"), used[-2:], loops, last_lines[-2:], strict=True
+            STAGES, used[-3:], loops, last_lines[-3:], strict=True
         )
     ]
 
@@ -304,10 +311,31 @@ def lammps_damping(speed: float = 1.0) -> float:
     return -math.log(RESTITUTION) * mass * speed**2 / lost_per_gamma
 
 
-def lammps_input(particles: int, steps: int) -> str:
+def fast_law() -> tuple[str, str, str]:
+    """Pair style, coefficients and wall law of LAMMPS' fastest style."""
+    stiffness = 4 / 3 * effective_young()
+    law = f"hertz/history {stiffness:.9g} NULL {lammps_damping():.6g} NULL {FRICTION} 1"
+    return f"gran/{law}", "", law
+
+
+def same_law() -> tuple[str, str, str]:
+    """The same of LAMMPS' style that takes the restitution, with Mindlin's tangential spring.
+
+    The tangential over the normal damping is the square root of that of the stiffnesses,
+    2 (1 - nu)/(2 - nu).
+    """
+    tangential = math.sqrt(2 * (1 - POISSON) / (2 - POISSON))
+    law = (
+        f"hertz/material {YOUNG} {RESTITUTION} {POISSON} damping coeff_restitution "
+        f"tangential mindlin NULL {tangential:.6g} {FRICTION}"
+    )
+    return "granular", law, f"granular {law}"
+
+
+def lammps_input(particles: int, steps: int, law: tuple[str, str, str]) -> str:
     """Input of LAMMPS, SI units."""
-    width, stiffness = box_width(particles), 4 / 3 * effective_young()
-    law = f"{stiffness:.9g} NULL {lammps_damping():.6g} NULL {FRICTION} 1"
+    width = box_width(particles)
+    style, coefficients, wall = law
     return f"""units si
 atom_style sphere
 boundary p p f
@@ -317,12 +345,12 @@ region all block 0 {width} 0 {width} 0 {HEIGHT} units box
 create_box 1 all
 neighbor 0.0005 bin
 neigh_modify delay 0
-pair_style gran/hertz/history {law}
-pair_coeff * *
+pair_style {style}
+pair_coeff * * {coefficients}
 timestep {STEP}
 fix weight all gravity 9.81 vector 0 0 -1
-fix ends all wall/gran hertz/history {law} zplane 0 {HEIGHT}
-region start block 0 {width} 0 {width} 0.002 {HEIGHT - 0.002} units box
+fix ends all wall/gran {wall} zplane 0 {HEIGHT}
+region start block 0 {width} 0 {width} {0.002 + RADIUS} {HEIGHT - 0.002 - RADIUS} units box
 create_atoms 1 random {particles} {SEED} start overlap {1.92 * RADIUS} maxtry 500
 set group all diameter {2 * RADIUS}
 set group all density {DENSITY}
@@ -334,6 +362,7 @@ variable height equal xcm(all,z)
 thermo {steps}
 thermo_style custom step atoms ke v_height c_touches
 thermo_modify lost ignore norm no
+run {steps}
 run {steps}
 run {steps}
 """
@@ -380,11 +409,12 @@ run 1
 unfix feed
 run {steps}
 run {steps}
+run {steps}
 """
 
 
 def figure(rows: list[dict[str, Any]]) -> Figure:
-    """Time per particle and step of each code, both stages side by side."""
+    """Time per particle and step of each code, falling and settled side by side."""
     drawing = Figure(figsize=(COLUMN_WIDTH, 0.75 * COLUMN_WIDTH))
     axes = drawing.subplots()
     codes = list(dict.fromkeys(row["code"] for row in rows))
