@@ -58,7 +58,7 @@ def run(options: Options) -> None:
     """All scenes and points; writes accuracy.csv, .png, .json, .md and uncertainty.csv, .png."""
     usual = QUICK_PARCELS if options.quick else PARCELS
     parcels = int(options.extra.get("parcels", usual))
-    runs = options.folder / "runs"
+    runs = options.folder / "accuracy-runs"  # other benchmarks have a "runs" there
     scenes = SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]
     table = _references(options, runs, scenes)
     rows: list[Row] = []
