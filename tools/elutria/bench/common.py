@@ -6,6 +6,7 @@ import importlib.metadata
 import os
 import platform
 import re
+import resource
 import statistics
 import subprocess
 import sys
@@ -96,6 +97,11 @@ def against_stock(
         "seconds_per_simulated_second": statistics.median(own),
         "speed_over_stock": statistics.median(o / s for o, s in zip(others, own, strict=True)),
     }
+
+
+def processor_time() -> float:
+    """Seconds of processor that the programs started so far took."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
 
 
 def run_program(arguments: Sequence[str | Path], folder: Path | None = None) -> str:

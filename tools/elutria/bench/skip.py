@@ -8,7 +8,6 @@ in the plan's run, and `d50_chance` is how far d50 can move by the chance of tho
 
 from __future__ import annotations
 
-import resource
 import shutil
 from collections.abc import Mapping
 from math import nan, sqrt
@@ -18,7 +17,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 
-from elutria.bench.common import Options, project_root, write_result
+from elutria.bench.common import Options, processor_time, project_root, write_result
 from elutria.bench.stability_scenes import bed, contacts
 from elutria.case import Case, Setting
 from elutria.classify import fit_events
@@ -83,17 +82,13 @@ def _column(
         "system/simulationParameters:drainTime": "0.6",
         **settings,
     }
-    before = _processor_time()
+    before = processor_time()
     run_case(
         Case(project_root() / "cases/column"),
         folder / "column",
         [Setting(*key.split(":"), value) for key, value in chosen.items()],
     )
-    return _processor_time() - before, read_run(folder / "column")
-
-
-def _processor_time() -> float:
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    return processor_time() - before, read_run(folder / "column")
 
 
 def _row(
@@ -172,10 +167,10 @@ def _beds(options: Options) -> list[dict[str, Any]]:
     for name, settings in choices.items():
         folder = options.folder / "runs" / "bed"
         shutil.rmtree(folder, ignore_errors=True)
-        before = _processor_time()
+        before = processor_time()
         seed = 5 if name == SCATTER else 4
         _, end, _ = bed(folder, {**contacts(), **settings}, number=number, seed=seed)
-        seconds = _processor_time() - before
+        seconds = processor_time() - before
         mean = float(np.mean(end.position[:, 2]))
         size = float(np.sum(end.mass) * 0.1)  # kg m/s, as if all moved at 0.1 m/s
         if not rows:

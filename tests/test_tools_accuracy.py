@@ -1,0 +1,146 @@
+"""The accuracy benchmark: errors against known curves, Pareto's front, and the runs' settings."""
+
+from __future__ import annotations
+
+from math import nan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from elutria.bench import accuracy_report as report
+from elutria.bench.accuracy_error import (
+    Cut,
+    beside_stock,
+    cut_of_curve,
+    cut_of_events,
+    errors,
+    front,
+)
+from elutria.bench.accuracy_forms import closed_forms
+from elutria.bench.accuracy_runs import FAST, SLOW, Point, make_case, slug, step
+from elutria.bench.uncertainty import inlet
+from elutria.case import Case
+from elutria.dictionary import read_dictionary
+from elutria.events import Events
+
+SIZES = np.geomspace(200e-6, 1200e-6, 400)
+
+
+def log_logistic(cut: float, slope: float = 10) -> Cut:
+    return cut_of_curve(SIZES, 1 / (1 + (SIZES / cut) ** -slope))
+
+
+def events_of(number: int, cut: float, slope: float = 10, seed: int = 1) -> Events:
+    """Parcels even on a log size axis, a log-logistic cut."""
+    random = np.random.default_rng(seed)
+    diameter = np.geomspace(200e-6, 1200e-6, number)
+    coarse = random.random(number) < 1 / (1 + (diameter / cut) ** -slope)
+    ones = np.ones(number)
+    return Events(
+        np.full(number, "a"), np.where(coarse, "coarse", "fines"), diameter, ones, ones, ones
+    )
+
+
+def test_a_known_shift_of_the_cut_is_the_error() -> None:
+    found = errors(log_logistic(510e-6), log_logistic(500e-6))
+    assert found["d50_error"] == pytest.approx(0.02, rel=1e-3)
+    assert found["sharpness_error"] == pytest.approx(0, abs=1e-4)
+    assert found["d50_noise"] == found["curve_noise"] == 0
+    # a steep curve's shift by 2 % in ln d, mean square of T' over the compared range
+    at = np.exp(np.linspace(np.log(0.7), np.log(1.4), 1000))
+    slope = 10 * at**-10 / (1 + at**-10) ** 2
+    assert found["curve_error"] == pytest.approx(0.02 * np.sqrt(np.mean(slope**2)), rel=0.05)
+
+
+def test_a_curve_against_itself_has_no_error_and_a_knife_is_sharper() -> None:
+    reference = log_logistic(500e-6)
+    same = errors(reference, reference)
+    assert same["d50_error"] == same["sharpness_error"] == same["curve_error"] == 0
+    knife = cut_of_curve(500e-6 * np.array([0.1, 1 - 1e-9, 1 + 1e-9, 10]), [0, 0, 1, 1])
+    assert errors(knife, reference)["sharpness_error"] == pytest.approx(
+        1 - 3 ** (-2 / 10), rel=1e-3
+    )
+
+
+def test_the_noise_says_how_far_events_are_off_their_own_curve() -> None:
+    truth = log_logistic(500e-6)
+    found = [errors(cut_of_events(events_of(1500, 500e-6, seed=k)), truth) for k in range(12)]
+    for quantity in ("d50", "sharpness"):
+        off = np.array([one[f"{quantity}_error"] for one in found])
+        noise = np.array([one[f"{quantity}_noise"] for one in found])
+        assert 0.4 < np.sqrt(np.mean(off**2)) / np.mean(noise) < 1.7
+    many = errors(cut_of_events(events_of(24000, 500e-6)), truth)
+    assert np.mean([one["d50_noise"] for one in found]) / many["d50_noise"] == pytest.approx(
+        4, rel=0.2
+    )
+
+
+def test_events_without_a_cut_have_no_error_to_tell() -> None:
+    events = events_of(100, 5e-3, slope=100)
+    assert np.isnan(errors(cut_of_events(events), log_logistic(500e-6))["d50_error"])
+
+
+def test_the_front_holds_what_nothing_beats() -> None:
+    costs = [1, 2, 3, 3, 10, 4, nan]
+    faults = [9, 5, 5, 4, 1, 6, 0]
+    assert front(costs, faults) == [True, True, False, True, True, False, False]
+
+
+def row(point: str, seconds: float, error: float, kind: str = "elutriaFoam") -> dict[str, object]:
+    return {
+        "scene": "a", "point": point, "kind": kind, "seconds": seconds, "parcels": 1000,
+        "d50_error": error, "d50_noise": 0.004, "curve_error": error, "curve_noise": 0.004,
+    }  # fmt: skip
+
+
+def test_ours_beside_stock() -> None:
+    stock = row("stock", 10_000, -0.02, "stock")
+    ours = [row("rough", 1, 0.05), row("plain", 20, 0.01), row("fine", 9_000, 0.0001)]
+    found = beside_stock(stock, ours, "d50")
+    assert (found.by, found.faster) == ("plain", pytest.approx(500))
+    assert found.more_accurate == pytest.approx(0.02 / 0.004)  # never beyond the noise
+    assert found.met
+    slow = beside_stock({**stock, "seconds": 30.0}, ours, "d50")
+    assert not slow.met
+    nothing = beside_stock({**stock, "d50_error": 0.001}, [ours[0]], "d50")
+    assert np.isnan(nothing.faster)
+    assert not nothing.met
+
+
+def test_the_advice_is_the_cheapest_that_is_right_everywhere() -> None:
+    here = [row("plain", 20, 0.008), row("fine", 90, 0.001), row("rough", 1, 0.05)]
+    there = [{**one, "scene": "b"} for one in (row("plain", 20, 0.02), row("fine", 95, -0.002))]
+    assert "**fine**" in report.advice([*here, *there])
+    assert "**plain**" in report.advice(here)
+    assert "No settings" in report.advice(here[2:])
+
+
+def test_a_point_changes_the_case_and_nothing_else(tmp_path: Path) -> None:
+    point = Point("coarse and long", step(4), mesh=0.6)
+    case = make_case(tmp_path, FAST, point, 300, seed=7)
+    feed = Case(case).feed()
+    assert (feed.particles, feed.seed, feed.duration) == (300, 7, 0.25)
+    assert Case(case).velocity() == FAST.velocity
+    control = read_dictionary(case / "system/controlDict", case)
+    assert control.number("deltaT") == pytest.approx(2e-3)
+    assert control.raw("adjustTimeStep") is False
+    plan = (case / "system/blockMeshDict").read_text()
+    assert plan.count("(6 6 29)") == 2
+    assert "(6 6 1)" in plan
+    assert slug("column, 4 m/s", "step x 4") == "column-4-m-s-step-x-4"
+
+
+def test_an_inlet_profile_keeps_the_mean_velocity() -> None:
+    (values,) = inlet(lambda y: y ** (1 / 7), 4.0).values()
+    assert values.shape == (100, 3)
+    assert values[:, 2].mean() == pytest.approx(4)
+    assert values[0, 2] < 4 < values[55, 2]
+
+
+def test_closed_forms_cost_nothing_and_agree_on_the_cut() -> None:
+    plug, drift = closed_forms(SLOW)
+    assert plug.cut.sharpness == pytest.approx(1)
+    assert drift.cut.d50 == pytest.approx(plug.cut.d50, rel=0.02)
+    assert drift.cut.sharpness < 1
+    assert plug.seconds + drift.seconds < 1

@@ -1,0 +1,185 @@
+"""Run time against error: closed forms, elutriaFoam at a ladder of settings, and stock OpenFOAM.
+
+Two gas velocities of the default column and a dense one. Errors are from converged curves that are
+kept in a table (accuracy_reference.csv); each comes with the noise of both curves. Seconds are of
+processor time, from a case's files to its events. In the same folder, uncertainty.csv and .png say
+how far what nobody knows exactly moves the cut.
+
+Options: parcels=N of the usual run (default 1200); reference=make makes the table again (a quarter
+of an hour more). Runs that are finished are not run again: after a break the command goes on.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Sequence
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+from elutria.bench import accuracy_reference as references
+from elutria.bench import accuracy_report as report
+from elutria.bench.accuracy_error import Cut, cut_of_events, errors, front, known_error
+from elutria.bench.accuracy_forms import closed_forms
+from elutria.bench.accuracy_reference import Reference
+from elutria.bench.accuracy_runs import DENSE, FAST, POINTS, SLOW, Done, Scene, run_point, slug
+from elutria.bench.accuracy_stock import run_mppic, stock_like, stretches
+from elutria.bench.common import Options, write_result
+from elutria.bench.uncertainty import measure_uncertainty
+from elutria.errors import ElutriaError
+from elutria.files import write_text
+from elutria.plots import STYLE
+
+NAME = "accuracy"
+HELP = "run time against error: closed forms, the plan and what it skips, stock; and what moves d50"
+COLUMNS = report.COLUMNS
+PARCELS, QUICK_PARCELS = 1200, 200
+QUICK = ("the plan", "mesh x 0.6", "step x 4, mesh x 0.6")
+
+Row = dict[str, Any]
+
+
+def run(options: Options) -> None:
+    """All scenes and points; writes accuracy.csv, .png, .json, .md and uncertainty.csv, .png."""
+    usual = QUICK_PARCELS if options.quick else PARCELS
+    parcels = int(options.extra.get("parcels", usual))
+    runs = options.folder / "runs"
+    table = _references(options, runs)
+    rows: list[Row] = []
+    for scene in (SLOW,) if options.quick else (SLOW, FAST, DENSE):
+        rows += _scene(options, runs, scene, parcels, table[scene.name])
+    for quantity in ("d50", "curve"):
+        mark_front(rows, quantity)
+    moved = measure_uncertainty(runs, parcels, options.quick, options.say)
+    with mpl.rc_context(STYLE):
+        write_result(options, NAME, COLUMNS, rows, report.figure(rows), {
+            "parcels": parcels,
+            "target": report.target(rows),
+            "reference": {name: one.how for name, one in table.items()},
+        })  # fmt: skip
+        report.write_uncertainty(options, moved)
+    write_text(options.folder / f"{NAME}.md", report.text(rows, table, moved, parcels))
+    shutil.rmtree(runs)
+
+
+def _references(options: Options, runs: Path) -> dict[str, Reference]:
+    """The kept table, or one made anew and put beside the results."""
+    file = references.kept()
+    if options.extra.get("reference") == "make":
+        file = options.folder / references.FILE
+        made = references.make(
+            runs, (SLOW, FAST, DENSE), references.PARCELS, references.SEEDS, options.say
+        )
+        references.write(file, made)
+    return references.read(file)
+
+
+def _scene(
+    options: Options, runs: Path, scene: Scene, parcels: int, reference: Reference
+) -> list[Row]:
+    """Rows of a scene."""
+    rows = [
+        row(scene, form.name, "closed form", form.seconds, form.cut, reference.cut)
+        for form in closed_forms(scene)
+    ]
+    for point in POINTS:
+        if not point.belongs_to(scene) or (options.quick and point.name not in QUICK):
+            continue
+        folder = runs / slug(scene.name, point.name)
+        rows.append(
+            _tried(scene, point.name, "elutriaFoam", reference.cut,
+                   lambda f=folder, p=point: run_point(f, scene, p, parcels))
+        )  # fmt: skip
+        options.say(report.line(rows[-1]))
+    return rows + _stock(options, runs, scene, parcels, reference.cut)
+
+
+def _stock(options: Options, runs: Path, scene: Scene, parcels: int, reference: Cut) -> list[Row]:
+    """Stock's rows: MPPICFoam to the end, DPMFoam by a stretch."""
+    if scene == DENSE:
+        reason = "not tried: 42 000 particles are fed, a few steps would take an hour"
+        return [failed(scene, "stock DPMFoam, pairCollision", "stock", reason)]
+    rows = []
+    if options.quick:
+        rows.append(failed(scene, "stock MPPICFoam", "stock", "left out of --quick"))
+    elif scene == FAST:
+        reason = "run at 4 m/s only: the gas on every step takes minutes"
+        rows.append(failed(scene, "stock MPPICFoam", "stock", reason))
+    else:
+        folder = runs / slug(scene.name, "mppic")
+        rows.append(
+            _tried(scene, "stock MPPICFoam", "stock", reference,
+                   lambda: run_mppic(folder, scene, 3 * parcels))
+        )  # fmt: skip
+    folder = runs / slug(scene.name, "stock")
+    try:
+        like, filled = stock_like(folder, scene)
+    except ElutriaError as error:
+        return [*rows, failed(scene, "stock DPMFoam", "stock", str(error))]
+    cut = cut_of_events(like.run.events)
+    number = len(like.run.events)
+    rows.append(row(scene, "elutriaFoam, stock's models", "elutriaFoam", like.seconds, cut,
+                    reference, parcels=number))  # fmt: skip
+    for stretch in stretches(folder, filled, options.quick, options.say):
+        kind = "ours in DPMFoam" if "our contacts" in stretch.name else "stock"
+        note = f"{stretch.note}; error: elutriaFoam with stock's models"
+        rows.append(row(scene, stretch.name, kind, stretch.seconds, cut, reference, True, note,
+                        number))  # fmt: skip
+    for one in rows:
+        options.say(report.line(one))
+    return rows
+
+
+def _tried(scene: Scene, name: str, kind: str, reference: Cut, work: Callable[[], Done]) -> Row:
+    """The row of a run, or of the reason why there is none."""
+    try:
+        done = work()
+    except ElutriaError as error:
+        return failed(scene, name, kind, str(error))
+    events = done.run.events
+    return row(scene, name, kind, done.seconds, cut_of_events(events), reference,
+               parcels=len(events))  # fmt: skip
+
+
+def row(
+    scene: Scene,
+    name: str,
+    kind: str,
+    seconds: float,
+    cut: Cut,
+    reference: Cut,
+    extrapolated: bool = False,
+    note: str = "",
+    parcels: int = 0,
+) -> Row:
+    """A row of accuracy.csv: seconds of processor, sizes in m, errors with their noise."""
+    return {
+        "scene": scene.name,
+        "point": name,
+        "kind": kind,
+        "parcels": parcels,
+        "seconds": seconds,
+        "extrapolated": extrapolated,
+        "d50_m": cut.d50,
+        "sharpness": cut.sharpness,
+        **errors(cut, reference),
+        "note": note,
+    }
+
+
+def failed(scene: Scene, name: str, kind: str, reason: str) -> Row:
+    """The row of a point that has no numbers, with the reason."""
+    numbers = {name: nan for name in COLUMNS if name not in report.TEXTS}
+    return {**numbers, "scene": scene.name, "point": name, "kind": kind, "parcels": 0,
+            "extrapolated": False, "note": reason}  # fmt: skip
+
+
+def mark_front(rows: Sequence[Row], quantity: str) -> None:
+    """Say of each row whether it is on its scene's Pareto front of seconds and known error."""
+    for scene in {row["scene"] for row in rows}:
+        here = [row for row in rows if row["scene"] == scene]
+        marks = front([row["seconds"] for row in here], [known_error(r, quantity) for r in here])
+        for one, mark in zip(here, marks, strict=True):
+            one[f"front_{quantity}"] = mark

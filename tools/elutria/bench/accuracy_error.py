@@ -1,0 +1,161 @@
+"""How far one partition curve is from another, and which settings are worth their seconds.
+
+Sizes in m. Every quantity has a standard deviation (`_sd`) from the limits that the fit gives: a
+difference below that of both curves together tells nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, isfinite, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from elutria.classify import fit_events
+from elutria.events import Events
+from elutria.fit import PartitionFit
+
+Array = NDArray[np.float64]
+
+LIMITS = 2 * 1.96
+"""Width of a 95 % interval in standard deviations."""
+AROUND = np.exp(np.linspace(np.log(0.7), np.log(1.4), 71))
+"""Where curves are compared, over the reference's d50."""
+
+ERRORS = (
+    "d50_error", "d50_noise", "sharpness_error", "sharpness_noise", "curve_error", "curve_noise",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A partition curve: share to coarse at rising diameters, d50 and sharpness d25/d75."""
+
+    d50: float
+    d50_sd: float
+    sharpness: float
+    sharpness_sd: float
+    diameter: Array
+    share: Array
+    share_sd: Array
+
+    def at(self, diameter: Array) -> tuple[Array, Array]:
+        """Share and its deviation, linear in ln d between what is known, constant beyond."""
+        where, known = np.log(diameter), np.log(self.diameter)
+        return np.interp(where, known, self.share), np.interp(where, known, self.share_sd)
+
+
+def cut_of_events(events: Events) -> Cut:
+    """The fitted curve of what has left."""
+    left = events.diameter[events.has_left]
+    fit = fit_events(events)
+    if fit.best is None:
+        edge = np.array([left.min(), left.max()]) if left.size else np.array([1e-6, 1.0])
+        return Cut(nan, nan, nan, nan, edge, np.full(2, nan), np.full(2, nan))
+    diameter = np.geomspace(left.min(), left.max(), 481)
+    share, low, high = fit.band(diameter)
+    _, d50_low, d50_high = fit.sizes[0.50]
+    return Cut(
+        fit.d50,
+        (d50_high - d50_low) / LIMITS,
+        fit.sharpness,
+        sharpness_deviation(fit),
+        diameter,
+        share,
+        (high - low) / LIMITS,
+    )
+
+
+def sharpness_deviation(fit: PartitionFit) -> float:
+    """Standard deviation of d25/d75: half its change over the shape's own deviation either way.
+
+    A shape that is hardly known (ln s to more than 1) counts as known to 1.
+    """
+    best = fit.best
+    if best is None or best.model is None or best.covariance is None:
+        return nan
+    step = min(float(np.sqrt(best.covariance[1, 1])), 1.0)
+
+    def sharpness(log_shape: float) -> float:
+        shape = float(np.clip(log_shape, *best.model.bounds)) if best.model else log_shape
+        moved = replace(best, log_shape=shape)
+        return moved.diameter_at(0.25) / moved.diameter_at(0.75)
+
+    return abs(sharpness(best.log_shape + step) - sharpness(best.log_shape - step)) / 2
+
+
+def cut_of_curve(diameter: ArrayLike, share: ArrayLike) -> Cut:
+    """A closed form's curve, share to coarse rising with the diameter; it has no noise."""
+    sizes, shares = np.asarray(diameter, dtype=float), np.asarray(share, dtype=float)
+    d25, d50, d75 = np.exp(np.interp((0.25, 0.5, 0.75), shares, np.log(sizes)))
+    return Cut(float(d50), 0.0, float(d25 / d75), 0.0, sizes, shares, np.zeros_like(sizes))
+
+
+def errors(cut: Cut, reference: Cut) -> dict[str, float]:
+    """d50 relative, sharpness, and the curve's root-mean-square difference around the cut.
+
+    The noise is one standard deviation of what both curves do not know.
+    """
+    grid = AROUND * reference.d50
+    (share, sd), (true, true_sd) = cut.at(grid), reference.at(grid)
+    return {
+        "d50_error": cut.d50 / reference.d50 - 1,
+        "d50_noise": hypot(cut.d50_sd, reference.d50_sd) / reference.d50,
+        "sharpness_error": cut.sharpness - reference.sharpness,
+        "sharpness_noise": hypot(cut.sharpness_sd, reference.sharpness_sd),
+        "curve_error": float(np.sqrt(np.mean((share - true) ** 2))),
+        "curve_noise": float(np.sqrt(np.mean(sd**2 + true_sd**2))),
+    }
+
+
+def known_error(row: Mapping[str, Any], quantity: str) -> float:
+    """What the error is at least known to be below: itself, or its noise where that is larger."""
+    return max(abs(row[f"{quantity}_error"]), row[f"{quantity}_noise"])
+
+
+def front(costs: Sequence[float], faults: Sequence[float]) -> list[bool]:
+    """Which points no other beats in both cost and fault (Pareto's front). NaN is never on it."""
+    pairs = list(zip(costs, faults, strict=True))
+
+    def beaten(cost: float, fault: float) -> bool:
+        return any(
+            c <= cost and f <= fault and (c < cost or f < fault)
+            for c, f in pairs
+        )  # fmt: skip
+
+    return [isfinite(c) and isfinite(f) and not beaten(c, f) for c, f in pairs]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One of stock's points beside ours: how much faster at its error or better, and how much
+    more accurate at its cost or less; nan where none of ours is as accurate, or as cheap."""
+
+    faster: float
+    by: str
+    more_accurate: float
+
+    @property
+    def met(self) -> bool:
+        """100 times faster, or 10 times more accurate."""
+        return self.faster >= 100 or self.more_accurate >= 10
+
+
+def beside_stock(
+    stock: Mapping[str, Any], ours: Iterable[Mapping[str, Any]], quantity: str
+) -> Verdict:
+    """The best of `ours` beside a row of stock's. An error below its noise counts as the noise."""
+    error, seconds = known_error(stock, quantity), float(stock["seconds"])
+    rows = [row for row in ours if isfinite(known_error(row, quantity))]
+    as_good = [row for row in rows if known_error(row, quantity) <= error]
+    as_cheap = [row for row in rows if row["seconds"] <= seconds]
+    best = min(as_good, key=lambda row: float(row["seconds"]), default=None)
+    least = min((known_error(row, quantity) for row in as_cheap), default=nan)
+    return Verdict(
+        faster=seconds / best["seconds"] if best else nan,
+        by=str(best["point"]) if best else "none",
+        more_accurate=error / least if least > 0 else nan,
+    )

@@ -1,0 +1,188 @@
+"""The scenes of the accuracy benchmark, and the settings that each is run with.
+
+A scene is the default column at a gas velocity and a loading, fed for a quarter of a second and
+emptied for one. A point is a scene's run with some entries changed.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from elutria.bench.common import processor_time, project_root
+from elutria.case import Case
+from elutria.events import Run, join, read_run
+from elutria.files import read_json, write_json, write_text
+from elutria.run import is_finished, run_case
+from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
+
+FEED_TIME, DRAIN_TIME, STEP = 0.25, 1.0, 5e-4
+"""s: of the feed, from its end to the run's end, and of the column's own time step."""
+
+Changes = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The column at a gas velocity (m/s) and a loading (kg solids per kg gas)."""
+
+    name: str
+    velocity: float
+    loading: float
+
+    def changes(self, parcels: int) -> dict[str, Any]:
+        """Entries of the case."""
+        return {
+            f"{BOX}:gasVelocity": self.velocity,
+            f"{BOX}:loading": self.loading,
+            f"{BOX}:particles": parcels,
+            f"{BOX}:feedTime": FEED_TIME,
+            f"{BOX}:drainTime": DRAIN_TIME,
+            f"{CONTROL}:writeInterval": 1000,
+        }
+
+
+SLOW = Scene("column, 4 m/s", 4, 0.2)
+FAST = Scene("column, 7 m/s", 7, 0.2)
+DENSE = Scene("dense column, 4 m/s, loading 5", 4, 5)
+
+
+@dataclass(frozen=True)
+class Point:
+    """What is changed for a run. `parcels` multiplies the usual number, `mesh` the cells along
+    each edge; `fast`, `dense` say whether those scenes are run with it too."""
+
+    name: str
+    changes: Changes = field(default_factory=dict)
+    parcels: float = 1
+    mesh: float = 1
+    fast: bool = True
+    dense: bool = True
+
+    def belongs_to(self, scene: Scene) -> bool:
+        """Whether the scene is run with it."""
+        return (self.fast or scene != FAST) and (self.dense or scene != DENSE)
+
+
+def step(factor: float) -> Changes:
+    """The time step over the column's own, whatever the gas' Courant number."""
+    return {f"{CONTROL}:deltaT": factor * STEP, f"{CONTROL}:adjustTimeStep": False}
+
+
+def drag(law: str) -> Changes:
+    """Another drag force."""
+    return {f"{MODELS}/particleForces": {law: {}, "gravity": {}}}
+
+
+GAS_ON = {"system/scenePlan:gas": "on"}
+SOFT = {f"{CONTACTS}/treatment": "soft"}
+NO_CONTACTS = {f"{MODELS}/collisionModel": "none"}
+ONE_WAY = {f"{CLOUD}:solution/coupled": False}
+REAL = {f"{BOX}:parcels": "particles"}
+STOCK_MODELS: Changes = {
+    **drag("sphereDrag"),
+    f"{MODELS}/dispersionModel": "stochasticDispersionRAS",
+    f"{CLOUD}:ownWake": {"undisturbed": False},
+}
+"""What stock DPMFoam has for the same things."""
+
+PLAN = "the plan"
+POINTS = (
+    Point(PLAN),
+    Point("parcels / 3", parcels=1 / 3, dense=False),
+    Point("parcels x 3", parcels=3, dense=False),
+    Point("gas on every step", GAS_ON, fast=False, dense=False),
+    Point("soft contacts", SOFT, fast=False, dense=False),
+    Point("everything on, parcels / 3", {**GAS_ON, **SOFT}, 1 / 3, fast=False, dense=False),
+    Point("one-way", ONE_WAY),
+    Point("no contacts", NO_CONTACTS),
+    Point("step / 2", step(0.5), dense=False),
+    Point("step x 2", step(2), dense=False),
+    Point("step x 4", step(4)),
+    Point("mesh x 0.6", mesh=0.6),
+    Point("mesh x 1.5", mesh=1.5, fast=False, dense=False),
+    Point("mesh x 2", mesh=2, fast=False, dense=False),
+    Point("step x 4, mesh x 0.6", step(4), mesh=0.6),
+    Point("one-way, step x 4, parcels / 3", {**ONE_WAY, **step(4)}, parcels=1 / 3),
+    Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
+    Point("parcels particles", REAL, dense=False),
+)
+STOCK_LIKE = Point("elutriaFoam with stock's models", {**REAL, **STOCK_MODELS})
+REFERENCE = Point("mesh x 1.5", mesh=1.5)
+DENSE_REFERENCE = Point("gas tolerance / 2", {"system/scenePlan:gasTolerance": 0.005})
+"""The finest that a few minutes can pay; the points show what further refinements change."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """A run and the seconds of processor that it took."""
+
+    run: Run
+    seconds: float
+
+
+def slug(*names: str) -> str:
+    """Names as a folder's name."""
+    return re.sub(r"[^a-z0-9.]+", "-", " ".join(names).lower()).strip("-")
+
+
+def run_point(folder: Path, scene: Scene, point: Point, parcels: int, seed: int = 1) -> Done:
+    """Run a point in FOLDER/run; what is finished there is not run again."""
+    return measured(make_case(folder, scene, point, parcels, seed), folder / "run")
+
+
+def measured(case: Path, folder: Path) -> Done:
+    """The run of a case in `folder`, and the processor's seconds as first measured."""
+    source, record = Case(case), folder.with_suffix(".json")
+    if not is_finished(folder, source.fingerprint([])):
+        before = processor_time()
+        run_case(source, folder, [])
+        write_json(record, {"seconds": processor_time() - before})
+    return Done(read_run(folder), float(read_json(record)["seconds"]))
+
+
+def make_case(folder: Path, scene: Scene, point: Point, parcels: int, seed: int = 1) -> Path:
+    """FOLDER/case: the column with the changes of scene and point."""
+    case = folder / "case"
+    shutil.rmtree(case, ignore_errors=True)
+    Case(project_root() / "cases/column").copy_to(case, [])
+    number = max(round(point.parcels * parcels), 10)
+    if f"{BOX}:parcels" in point.changes and point.changes[f"{BOX}:parcels"] == "particles":
+        number = 10**6  # as many as the feed has in its time
+    change(case, {**scene.changes(number), f"{BOX}:seed": seed, **point.changes})
+    if point.mesh != 1:
+        refine(case, point.mesh)
+    return case
+
+
+def refine(case: Path, factor: float) -> None:
+    """Multiply the cells of every block along its edges."""
+    plan = case / "system/blockMeshDict"
+
+    def cells(match: re.Match[str]) -> str:
+        numbers = (max(round(factor * int(n)), 1) for n in match[2].split())
+        return f"{match[1]}({' '.join(map(str, numbers))})"
+
+    text, found = re.subn(r"(hex\s*\([^)]*\)\s*)\(([^)]*)\)", cells, plan.read_text())
+    assert found, plan
+    write_text(plan, text)
+
+
+def replicates(
+    folder: Path,
+    scene: Scene,
+    point: Point,
+    parcels: int,
+    seeds: Iterable[int],
+    say: Callable[[str], None],
+) -> Done:
+    """Runs with several seeds taken together."""
+    runs = []
+    for seed in seeds:
+        runs.append(run_point(folder / f"seed{seed}", scene, point, parcels, seed))
+        say(f"{scene.name}, reference, seed {seed}: {runs[-1].seconds:.0f} s")
+    return Done(join([one.run for one in runs]), sum(one.seconds for one in runs))

@@ -1,0 +1,167 @@
+"""How far the cut moves with what nobody knows exactly: models, material, walls, inlet, loading.
+
+One scene, the column at 4 m/s, one entry changed at a time. Beside it stand what the numerics do
+(mesh, step) and what chance does to the run that all are compared with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import hypot, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from elutria.bench.accuracy_error import Cut, cut_of_events
+from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, run_point, slug
+from elutria.errors import ElutriaError
+from elutria.verification.scene import BOX, CONTACTS, MODELS
+
+SCENE = SLOW
+COLUMNS = (
+    "group", "what", "d50_m", "d50_change", "d50_noise", "sharpness", "sharpness_change",
+    "sharpness_noise", "seconds", "note",
+)  # fmt: skip
+BASE = "parcels x 3"
+SPHERICITY = "constant/feed:materials/quartz/sphericity"
+INLET = "0.orig/U.air:boundaryField/bottom/value"
+ACROSS = 10
+"""Cells of the inlet, each way."""
+
+Row = dict[str, Any]
+Array = NDArray[np.float64]
+
+
+def _law(name: str, sphericity: float) -> Changes:
+    return {**drag(name), SPHERICITY: sphericity}
+
+
+def _contacts(what: str, value: float) -> Changes:
+    """Restitution or friction of all contacts."""
+    pairs = ("particleParticle", "particleWall")
+    return {f"{CONTACTS}/{pair}/{what}": value for pair in pairs}
+
+
+def _walls(restitution: float, friction: float) -> Changes:
+    wall = f"{CONTACTS}/particleWall"
+    return {f"{wall}/restitution": restitution, f"{wall}/friction": friction}
+
+
+def inlet(profile: Callable[[Array], Array], velocity: float) -> Changes:
+    """An inlet whose profile is a product of `profile`(y) both ways, y from 0 at a wall to 1 in
+    the middle, with the mean `velocity` (m/s)."""
+    middle = (np.arange(ACROSS) + 0.5) / ACROSS
+    one = profile(1 - np.abs(2 * middle - 1))
+    speed = np.outer(one, one).ravel()
+    speed *= velocity / speed.mean()
+    return {INLET: np.column_stack([np.zeros((speed.size, 2)), speed])}
+
+
+def _parabola(y: Array) -> Array:
+    return np.asarray(y * (2 - y))
+
+
+def _power(y: Array) -> Array:
+    return np.asarray(y ** (1 / 7))
+
+
+STOCHASTIC = {f"{MODELS}/dispersionModel": "stochasticDispersionRAS"}
+VARIED: Mapping[str, Mapping[str, Changes]] = {
+    "drag law": {
+        "Clift": drag("CliftDrag"),
+        "Haider-Levenspiel, sphere": _law("HaiderLevenspielDrag", 1),
+        "Ganser, sphere": _law("GanserDrag", 1),
+    },
+    "shape": {
+        "Haider-Levenspiel, sphericity 0.8": _law("HaiderLevenspielDrag", 0.8),
+        "Haider-Levenspiel, sphericity 0.6": _law("HaiderLevenspielDrag", 0.6),
+        "Ganser, sphericity 0.8": _law("GanserDrag", 0.8),
+        "Ganser, sphericity 0.6": _law("GanserDrag", 0.6),
+    },
+    "dispersion": {
+        "none": {f"{MODELS}/dispersionModel": "none"},
+        "stock's random walk": STOCHASTIC,
+    },
+    "restitution": {
+        "0.3": _contacts("restitution", 0.3),
+        "0.95": _contacts("restitution", 0.95),
+    },
+    "friction": {"0": _contacts("friction", 0), "0.8": _contacts("friction", 0.8)},
+    "walls": {
+        "dull and rough (0.3, 0.8)": _walls(0.3, 0.8),
+        "lively and smooth (0.95, 0)": _walls(0.95, 0),
+    },
+    "inlet profile": {
+        "power 1/7": inlet(_power, SCENE.velocity),
+        "parabola": inlet(_parabola, SCENE.velocity),
+    },
+    "loading": {
+        "0.02": {f"{BOX}:loading": 0.02},
+        "1": {f"{BOX}:loading": 1},
+    },
+}
+NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "gas on every step")
+QUICK, QUICK_MESH = ("drag law", "restitution"), 0.6
+QUICK_BASE = "mesh x 0.6"
+
+
+def measure_uncertainty(
+    runs: Path, parcels: int, quick: bool, say: Callable[[str], None]
+) -> list[Row]:
+    """A row per varied thing, numerics and chance included; those that fail say why."""
+
+    def run(point: Point) -> tuple[Cut, float]:
+        done = run_point(runs / slug(SCENE.name, point.name), SCENE, point, parcels)
+        return cut_of_events(done.run.events), done.seconds
+
+    known = {point.name: point for point in POINTS}
+    base, seconds = run(known[QUICK_BASE if quick else BASE])
+    mesh = QUICK_MESH if quick else 1.0
+    rows = [_chance(QUICK_BASE if quick else BASE, base, seconds)]
+    points = [
+        (group, what, Point(f"{group} {what}", changes, mesh=mesh))
+        for group, entries in VARIED.items()
+        if not quick or group in QUICK
+        for what, changes in entries.items()
+    ]
+    points += [("numerics", name, known[name]) for name in NUMERICS if not quick]
+    for group, what, point in points:
+        try:
+            cut, seconds = run(point)
+        except ElutriaError as error:
+            rows.append({**dict.fromkeys(COLUMNS, nan), "group": group, "what": what,
+                         "note": str(error)})  # fmt: skip
+        else:
+            rows.append(change_of(group, what, cut, base, seconds))
+        say(f"{group}, {what}: d50 {100 * rows[-1]['d50_change']:+.1f} % {rows[-1]['note']}")
+    return rows
+
+
+def change_of(group: str, what: str, cut: Cut, base: Cut, seconds: float) -> Row:
+    """What changed against the run that all are compared with; noise is one deviation of both."""
+    return {
+        "group": group,
+        "what": what,
+        "d50_m": cut.d50,
+        "d50_change": cut.d50 / base.d50 - 1,
+        "d50_noise": hypot(cut.d50_sd, base.d50_sd) / base.d50,
+        "sharpness": cut.sharpness,
+        "sharpness_change": cut.sharpness - base.sharpness,
+        "sharpness_noise": hypot(cut.sharpness_sd, base.sharpness_sd),
+        "seconds": seconds,
+        "note": "",
+    }
+
+
+def _chance(name: str, base: Cut, seconds: float) -> Row:
+    """The noise of the compared run itself: one deviation."""
+    row = change_of("chance", f"{name}, one deviation", base, base, seconds)
+    return {
+        **row,
+        "d50_change": base.d50_sd / base.d50,
+        "d50_noise": 0.0,
+        "sharpness_change": base.sharpness_sd,
+        "sharpness_noise": 0.0,
+    }
