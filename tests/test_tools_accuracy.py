@@ -111,9 +111,10 @@ def test_ours_beside_stock() -> None:
 def test_the_advice_is_the_cheapest_that_is_right_everywhere() -> None:
     here = [row("plain", 20, 0.008), row("fine", 90, 0.001), row("rough", 1, 0.05)]
     there = [{**one, "scene": "b"} for one in (row("plain", 20, 0.02), row("fine", 95, -0.002))]
-    assert "**fine**" in report.advice([*here, *there])
-    assert "**plain**" in report.advice(here)
-    assert "No settings" in report.advice(here[2:])
+    (found,) = report.advice([*here, *there])
+    assert "use **fine**" in found
+    assert "use **plain** (20 s" in report.advice(here)[0]
+    assert "none is known to be enough; **rough**" in report.advice(here[2:])[0]
 
 
 def test_a_point_changes_the_case_and_nothing_else(tmp_path: Path) -> None:

@@ -5,8 +5,9 @@ kept in a table (accuracy_reference.csv); each comes with the noise of both curv
 processor time, from a case's files to its events. In the same folder, uncertainty.csv and .png say
 how far what nobody knows exactly moves the cut.
 
-Options: parcels=N of the usual run (default 1200); reference=make makes the table again (a quarter
-of an hour more). Runs that are finished are not run again: after a break the command goes on.
+Options: parcels=N of the usual run (default 1200); scenes=N, the first N alone; reference=make
+makes the table again (some minutes more). Runs that are finished are not run again: after a break
+the command goes on.
 """
 
 from __future__ import annotations
@@ -21,13 +22,23 @@ import matplotlib as mpl
 
 from elutria.bench import accuracy_reference as references
 from elutria.bench import accuracy_report as report
+from elutria.bench import uncertainty
 from elutria.bench.accuracy_error import Cut, cut_of_events, errors, front, known_error
 from elutria.bench.accuracy_forms import closed_forms
 from elutria.bench.accuracy_reference import Reference
-from elutria.bench.accuracy_runs import DENSE, FAST, POINTS, SLOW, Done, Scene, run_point, slug
+from elutria.bench.accuracy_runs import (
+    DENSE,
+    FAST,
+    POINTS,
+    SLOW,
+    STOCK_LIKE,
+    Done,
+    Scene,
+    run_point,
+    slug,
+)
 from elutria.bench.accuracy_stock import run_mppic, stock_like, stretches
 from elutria.bench.common import Options, write_result
-from elutria.bench.uncertainty import measure_uncertainty
 from elutria.errors import ElutriaError
 from elutria.files import write_text
 from elutria.plots import STYLE
@@ -35,6 +46,7 @@ from elutria.plots import STYLE
 NAME = "accuracy"
 HELP = "run time against error: closed forms, the plan and what it skips, stock; and what moves d50"
 COLUMNS = report.COLUMNS
+SCENES = (SLOW, FAST, DENSE)
 PARCELS, QUICK_PARCELS = 1200, 200
 QUICK = ("the plan", "mesh x 0.6", "step x 4, mesh x 0.6")
 
@@ -48,18 +60,18 @@ def run(options: Options) -> None:
     runs = options.folder / "runs"
     table = _references(options, runs)
     rows: list[Row] = []
-    for scene in (SLOW,) if options.quick else (SLOW, FAST, DENSE):
+    moved = uncertainty.measure(runs, parcels, options.quick, options.say)
+    for scene in SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]:
         rows += _scene(options, runs, scene, parcels, table[scene.name])
     for quantity in ("d50", "curve"):
         mark_front(rows, quantity)
-    moved = measure_uncertainty(runs, parcels, options.quick, options.say)
     with mpl.rc_context(STYLE):
         write_result(options, NAME, COLUMNS, rows, report.figure(rows), {
             "parcels": parcels,
             "target": report.target(rows),
             "reference": {name: one.how for name, one in table.items()},
         })  # fmt: skip
-        report.write_uncertainty(options, moved)
+        write_result(options, "uncertainty", uncertainty.COLUMNS, moved, uncertainty.figure(moved))
     write_text(options.folder / f"{NAME}.md", report.text(rows, table, moved, parcels))
     shutil.rmtree(runs)
 
@@ -69,9 +81,7 @@ def _references(options: Options, runs: Path) -> dict[str, Reference]:
     file = references.kept()
     if options.extra.get("reference") == "make":
         file = options.folder / references.FILE
-        made = references.make(
-            runs, (SLOW, FAST, DENSE), references.PARCELS, references.SEEDS, options.say
-        )
+        made = references.make(runs, SCENES, references.PARCELS, references.SEEDS, options.say)
         references.write(file, made)
     return references.read(file)
 
@@ -120,7 +130,7 @@ def _stock(options: Options, runs: Path, scene: Scene, parcels: int, reference: 
         return [*rows, failed(scene, "stock DPMFoam", "stock", str(error))]
     cut = cut_of_events(like.run.events)
     number = len(like.run.events)
-    rows.append(row(scene, "elutriaFoam, stock's models", "elutriaFoam", like.seconds, cut,
+    rows.append(row(scene, STOCK_LIKE.name, "elutriaFoam", like.seconds, cut,
                     reference, parcels=number))  # fmt: skip
     for stretch in stretches(folder, filled, options.quick, options.say):
         kind = "ours in DPMFoam" if "our contacts" in stretch.name else "stock"

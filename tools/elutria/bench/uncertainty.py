@@ -6,17 +6,20 @@ One scene, the column at 4 m/s, one entry changed at a time. Beside it stand wha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from math import hypot, nan
+from collections.abc import Callable, Mapping, Sequence
+from math import hypot, isfinite, nan
 from pathlib import Path
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from elutria.bench.accuracy_error import Cut, cut_of_events
 from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, run_point, slug
 from elutria.errors import ElutriaError
+from elutria.plots import COLUMN_WIDTH
 from elutria.verification.scene import BOX, CONTACTS, MODELS
 
 SCENE = SLOW
@@ -102,14 +105,12 @@ VARIED: Mapping[str, Mapping[str, Changes]] = {
         "1": {f"{BOX}:loading": 1},
     },
 }
-NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "gas on every step")
+NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "soft contacts")
 QUICK, QUICK_MESH = ("drag law", "restitution"), 0.6
 QUICK_BASE = "mesh x 0.6"
 
 
-def measure_uncertainty(
-    runs: Path, parcels: int, quick: bool, say: Callable[[str], None]
-) -> list[Row]:
+def measure(runs: Path, parcels: int, quick: bool, say: Callable[[str], None]) -> list[Row]:
     """A row per varied thing, numerics and chance included; those that fail say why."""
 
     def run(point: Point) -> tuple[Cut, float]:
@@ -165,3 +166,60 @@ def _chance(name: str, base: Cut, seconds: float) -> Row:
         "sharpness_change": base.sharpness_sd,
         "sharpness_noise": 0.0,
     }
+
+
+COLOURS = {"model or material": "#0072B2", "numerics": "#009E73", "chance": "0.6"}
+
+
+def figure(rows: Sequence[Row]) -> Figure:
+    """Bars of the change of d50 and of the sharpness, the widest at the top."""
+    shown = sorted((row for row in rows if isfinite(row["d50_change"])), key=_width)
+    names = [f"{row['group']}: {row['what']}" for row in shown]
+    colours = [COLOURS.get(row["group"], COLOURS["model or material"]) for row in shown]
+    size = (2 * COLUMN_WIDTH, 0.15 * len(shown) + 0.8)
+    result, panels = plt.subplots(1, 2, figsize=size, sharey=True)
+    for axes, quantity, factor in zip(panels, ("d50", "sharpness"), (100, 1), strict=True):
+        axes.barh(
+            names,
+            [factor * row[f"{quantity}_change"] for row in shown],
+            xerr=[factor * row[f"{quantity}_noise"] for row in shown],
+            color=colours,
+            error_kw={"linewidth": 0.6, "ecolor": "0.3"},
+            height=0.7,
+        )
+        axes.axvline(0, color="0.3", linewidth=0.6)
+        axes.tick_params(axis="y", length=0, labelsize=6.5)
+        axes.margins(y=0.01)
+    panels[0].set_xlabel("change of d50, % (bar: one deviation of chance)")
+    panels[1].set_xlabel("change of sharpness d25/d75")
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in COLOURS.values()]
+    result.legend(handles, COLOURS, loc="outside upper center", ncols=len(handles))
+    return result
+
+
+def page(rows: Sequence[Row]) -> list[str]:
+    """Lines of the benchmark's page, the widest change first."""
+    return [
+        "# What moves the cut",
+        "",
+        f"The {SCENE.name}, one thing changed at a time, against the run with the most parcels.",
+        "Changes with one standard deviation of chance; what is within two is not known to move.",
+        "",
+        "| what | d50 | sharpness |",
+        "| --- | --- | --- |",
+        *(_moved(row) for row in sorted(rows, key=_width, reverse=True)),
+    ]
+
+
+def _width(row: Row) -> float:
+    return abs(row["d50_change"]) if isfinite(row["d50_change"]) else -1.0
+
+
+def _moved(row: Row) -> str:
+    name = f"{row['group']}: {row['what']}"
+    if row["note"]:
+        return f"| {name} | {row['note']} | |"
+    return (
+        f"| {name} | {100 * row['d50_change']:+.1f} +- {100 * row['d50_noise']:.1f} % | "
+        f"{row['sharpness_change']:+.3f} +- {row['sharpness_noise']:.3f} |"
+    )
