@@ -58,10 +58,11 @@ def run(options: Options) -> None:
     usual = QUICK_PARCELS if options.quick else PARCELS
     parcels = int(options.extra.get("parcels", usual))
     runs = options.folder / "runs"
-    table = _references(options, runs)
+    scenes = SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]
+    table = _references(options, runs, scenes)
     rows: list[Row] = []
     moved = uncertainty.measure(runs, parcels, options.quick, options.say)
-    for scene in SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]:
+    for scene in scenes:
         rows += _scene(options, runs, scene, parcels, table[scene.name])
     for quantity in ("d50", "curve"):
         mark_front(rows, quantity)
@@ -76,12 +77,12 @@ def run(options: Options) -> None:
     shutil.rmtree(runs)
 
 
-def _references(options: Options, runs: Path) -> dict[str, Reference]:
+def _references(options: Options, runs: Path, scenes: Sequence[Scene]) -> dict[str, Reference]:
     """The kept table, or one made anew and put beside the results."""
     file = references.kept()
     if options.extra.get("reference") == "make":
         file = options.folder / references.FILE
-        made = references.make(runs, SCENES, references.PARCELS, references.SEEDS, options.say)
+        made = references.make(runs, scenes, references.PARCELS, references.SEEDS, options.say)
         references.write(file, made)
     return references.read(file)
 

@@ -82,6 +82,7 @@ GAS_ON = {"system/scenePlan:gas": "on"}
 SOFT = {f"{CONTACTS}/treatment": "soft"}
 NO_CONTACTS = {f"{MODELS}/collisionModel": "none"}
 ONE_WAY = {f"{CLOUD}:solution/coupled": False}
+BY_CELLS = {f"{CLOUD}:solution/interpolationSchemes/U.air": "cell"}
 REAL = {f"{BOX}:parcels": "particles"}
 STOCK_MODELS: Changes = {
     **drag("sphereDrag"),
@@ -94,10 +95,10 @@ PLAN = "the plan"
 POINTS = (
     Point(PLAN),
     Point("parcels / 3", parcels=1 / 3, dense=False),
-    Point("parcels x 3", parcels=3, dense=False),
+    Point("parcels x 3", parcels=3, fast=False, dense=False),
     Point("soft contacts", SOFT, fast=False, dense=False),
     Point("one-way", ONE_WAY),
-    Point("no contacts", NO_CONTACTS),
+    Point("no contacts", NO_CONTACTS, dense=False),
     Point("step / 2", step(0.5), fast=False, dense=False),
     Point("step x 2", step(2), dense=False),
     Point("step x 4", step(4)),
@@ -106,18 +107,23 @@ POINTS = (
     Point("gas on every step, mesh x 0.6", GAS_ON, mesh=0.6, fast=False, dense=False),
     Point("everything on, mesh x 0.6, parcels / 3", {**GAS_ON, **SOFT}, 1 / 3, 0.6,
           fast=False, dense=False),
-    Point("step x 4, mesh x 1.5", step(4), mesh=1.5, fast=False, dense=False),
-    Point("one-way, step x 4, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(4)}, 3, 1.5),
-    Point("one-way, step x 4, mesh x 2, parcels x 3", {**ONE_WAY, **step(4)}, 3, 2,
-          fast=False, dense=False),
+    Point("one-way, step x 4, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(4)}, 3, 1.5,
+          dense=False),
     Point("step x 4, mesh x 0.6", step(4), mesh=0.6, dense=False),
     Point("one-way, step x 4, parcels / 3", {**ONE_WAY, **step(4)}, parcels=1 / 3),
+    Point("gas by cells", BY_CELLS),
+    Point("gas by cells, mesh x 0.6", BY_CELLS, mesh=0.6, fast=False, dense=False),
+    Point("gas by cells, one-way, step x 4, mesh x 1.5, parcels x 3",
+          {**BY_CELLS, **ONE_WAY, **step(4)}, 3, 1.5, fast=False, dense=False),
+    Point("gas by cells, one-way, step x 4", {**BY_CELLS, **ONE_WAY, **step(4)}),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
-REFERENCE = Point("mesh x 1.5", mesh=1.5)
-DENSE_REFERENCE = Point("gas tolerance / 2", {"system/scenePlan:gasTolerance": 0.005})
+REFERENCE = Point("gas by cells, mesh x 1.5", BY_CELLS, mesh=1.5)
+DENSE_REFERENCE = Point(
+    "gas by cells, gas tolerance / 2", {**BY_CELLS, "system/scenePlan:gasTolerance": 0.005}
+)
 """The finest that a few minutes can pay; the points show what further refinements change."""
 
 
