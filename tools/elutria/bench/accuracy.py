@@ -24,6 +24,7 @@ from elutria.bench import accuracy_reference as references
 from elutria.bench import accuracy_report as report
 from elutria.bench import uncertainty
 from elutria.bench.accuracy_error import Cut, cut_of_events, errors, front, known_error
+from elutria.bench.accuracy_figure import figure
 from elutria.bench.accuracy_forms import closed_forms
 from elutria.bench.accuracy_reference import Reference
 from elutria.bench.accuracy_runs import (
@@ -67,7 +68,7 @@ def run(options: Options) -> None:
     for quantity in ("d50", "curve"):
         mark_front(rows, quantity)
     with mpl.rc_context(STYLE):
-        write_result(options, NAME, COLUMNS, rows, report.figure(rows), {
+        write_result(options, NAME, COLUMNS, rows, figure(rows), {
             "parcels": parcels,
             "target": report.target(rows),
             "reference": {name: one.how for name, one in table.items()},

@@ -21,7 +21,7 @@ from elutria.run import is_finished, run_case
 from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
 
 FEED_TIME, DRAIN_TIME, STEP = 0.25, 1.0, 5e-4
-"""s: of the feed, from its end to the run's end, and of the column's own time step."""
+"""s: of the feed, from its end to the run's end, and the time step of a point that has no other."""
 
 Changes = Mapping[str, Any]
 
@@ -69,7 +69,7 @@ class Point:
 
 
 def step(factor: float) -> Changes:
-    """The time step over the column's own, whatever the gas' Courant number."""
+    """The time step over STEP, whatever the gas' Courant number."""
     return {f"{CONTROL}:deltaT": factor * STEP, f"{CONTROL}:adjustTimeStep": False}
 
 
@@ -78,7 +78,7 @@ def drag(law: str) -> Changes:
     return {f"{MODELS}/particleForces": {law: {}, "gravity": {}}}
 
 
-GAS_ON = {"system/scenePlan:gas": "on"}
+GAS_ON = {"system/scenePlan:gas": True}
 SOFT = {f"{CONTACTS}/treatment": "soft"}
 NO_CONTACTS = {f"{MODELS}/collisionModel": "none"}
 ONE_WAY = {f"{CLOUD}:solution/coupled": False}
@@ -116,6 +116,7 @@ POINTS = (
     Point("gas by cells, one-way, step x 4, mesh x 1.5, parcels x 3",
           {**BY_CELLS, **ONE_WAY, **step(4)}, 3, 1.5, fast=False, dense=False),
     Point("gas by cells, one-way, step x 4", {**BY_CELLS, **ONE_WAY, **step(4)}),
+    Point("gas by cells, one-way, step x 4, parcels x 3", {**BY_CELLS, **ONE_WAY, **step(4)}, 3),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from elutria.bench.accuracy_error import Cut, cut_of_events
@@ -168,6 +169,8 @@ def _chance(name: str, base: Cut, seconds: float) -> Row:
     }
 
 
+LINEAR = 2
+"""Changes of d50 (%) up to which the figure's axis is linear."""
 COLOURS = {"model or material": "#0072B2", "numerics": "#009E73", "chance": "0.6"}
 
 
@@ -190,7 +193,11 @@ def figure(rows: Sequence[Row]) -> Figure:
         axes.axvline(0, color="0.3", linewidth=0.6)
         axes.tick_params(axis="y", length=0, labelsize=6.5)
         axes.margins(y=0.01)
-    panels[0].set_xlabel("change of d50, % (bar: one deviation of chance)")
+    panels[0].set_xscale("symlog", linthresh=LINEAR, linscale=0.8)
+    panels[0].set_xticks([-20, -5, -2, 0, 2, 5, 20, 50, 150])
+    panels[0].xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    panels[0].xaxis.set_minor_locator(NullLocator())
+    panels[0].set_xlabel(f"change of d50, % (logarithmic beyond {LINEAR} %)")
     panels[1].set_xlabel("change of sharpness d25/d75")
     handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in COLOURS.values()]
     result.legend(handles, COLOURS, loc="outside upper center", ncols=len(handles))

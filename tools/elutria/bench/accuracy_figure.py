@@ -1,0 +1,99 @@
+"""Run time against error: the accuracy benchmark's figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from elutria.bench.accuracy_error import known_error
+from elutria.plots import COLUMN_WIDTH
+
+KINDS = {
+    "closed form": ("^", "#009E73"),
+    "elutriaFoam": ("o", "#0072B2"),
+    "ours in DPMFoam": ("s", "#CC79A7"),
+    "stock": ("D", "#D55E00"),
+}
+QUANTITIES = {"d50": "error of d50, %", "curve": "error of the curve (rms), %"}
+
+Row = dict[str, Any]
+
+
+def figure(rows: Sequence[Row]) -> Figure:
+    """Known error against seconds: a row of panels for each scene, d50 left, the curve right."""
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    size = (2 * COLUMN_WIDTH, 0.62 * COLUMN_WIDTH * len(scenes) + 0.35)
+    result, panels = plt.subplots(len(scenes), 2, figsize=size, squeeze=False, sharex="row")
+    for pair, scene in zip(panels, scenes, strict=True):
+        here = [row for row in rows if row["scene"] == scene and isfinite(row["seconds"])]
+        for axes, quantity in zip(pair, QUANTITIES, strict=True):
+            _panel(axes, [row for row in here if isfinite(known_error(row, quantity))], quantity)
+        pair[0].set_title(scene, fontsize=8, loc="left")
+    for axes in panels[-1]:
+        axes.set_xlabel("processor time, s (hollow: extrapolated)")
+    handles = [
+        plt.Line2D([], [], marker=mark, color=colour, linestyle="", markersize=4, label=kind)
+        for kind, (mark, colour) in KINDS.items()
+    ]
+    handles.append(plt.Line2D([], [], color="0.5", linewidth=0.8, label="Pareto front"))
+    result.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    return result
+
+
+def _panel(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
+    for row in rows:
+        mark, colour = KINDS[row["kind"]]
+        axes.errorbar(
+            row["seconds"],
+            known_error(row, quantity),
+            yerr=[[0], [row[f"{quantity}_noise"]]],
+            marker=mark, color=colour, markersize=4, linewidth=0.5, capsize=0,
+            markerfacecolor="white" if row["extrapolated"] else colour,
+        )  # fmt: skip
+    best = sorted((row for row in rows if row[f"front_{quantity}"]), key=lambda r: r["seconds"])
+    axes.step([row["seconds"] for row in best], [known_error(row, quantity) for row in best],
+              where="post", color="0.5", linewidth=0.8, zorder=0)  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(3e-4, 3e4)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low / 1.3, high)
+    _label(axes, best, quantity)
+    percent = FuncFormatter(lambda value, _: f"{100 * value:g}")
+    axes.yaxis.set_major_formatter(percent)
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.set_ylabel(QUANTITIES[quantity])
+
+
+def _label(axes: Axes, best: Sequence[Row], quantity: str) -> None:
+    """Names of the front's runs in a column of their own, in their order from the top; a closed
+    form's name stands beside its mark."""
+    low, high = np.log(axes.get_ylim())
+    least = 0.075
+    place = 1.0
+    for row in sorted(best, key=lambda row: -known_error(row, quantity)):
+        if row["kind"] == "closed form":
+            at = (row["seconds"], known_error(row, quantity))
+            axes.annotate(row["point"], at, xytext=(3, 2), textcoords="offset points",
+                          fontsize=5.5, va="bottom")  # fmt: skip
+            continue
+        own = (np.log(known_error(row, quantity)) - low) / (high - low)
+        place = min(own, place - least)
+        axes.annotate(
+            row["point"],
+            (row["seconds"], known_error(row, quantity)),
+            xytext=(0.46, place),
+            textcoords="axes fraction",
+            fontsize=5.5,
+            ha="right",
+            va="center",
+            arrowprops={"arrowstyle": "-", "color": "0.6", "linewidth": 0.4, "shrinkB": 2},
+        )
