@@ -49,7 +49,7 @@ HELP = "run time against error: closed forms, the plan and what it skips, stock;
 COLUMNS = report.COLUMNS
 SCENES = (SLOW, FAST, DENSE)
 PARCELS, QUICK_PARCELS = 1200, 200
-QUICK = ("the plan", "mesh x 0.6", "step x 4, mesh x 0.6")
+QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6")
 
 Row = dict[str, Any]
 
