@@ -177,6 +177,8 @@ def row(
         "d50_m": cut.d50,
         "sharpness": cut.sharpness,
         **errors(cut, reference),
+        "front_d50": False,
+        "front_curve": False,
         "note": note,
     }
 
@@ -189,9 +191,12 @@ def failed(scene: Scene, name: str, kind: str, reason: str) -> Row:
 
 
 def mark_front(rows: Sequence[Row], quantity: str) -> None:
-    """Say of each row whether it is on its scene's Pareto front of seconds and known error."""
+    """Say of each row whether it is on its scene's Pareto front of seconds and known error.
+
+    The front is that of the runs: a closed form costs nothing, and knows nothing but the cut.
+    """
     for scene in {row["scene"] for row in rows}:
-        here = [row for row in rows if row["scene"] == scene]
+        here = [row for row in rows if row["scene"] == scene and row["kind"] != "closed form"]
         marks = front([row["seconds"] for row in here], [known_error(r, quantity) for r in here])
         for one, mark in zip(here, marks, strict=True):
             one[f"front_{quantity}"] = mark

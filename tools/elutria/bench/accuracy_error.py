@@ -40,12 +40,10 @@ class Cut:
     sharpness_sd: float
     diameter: Array
     share: Array
-    share_sd: Array
 
-    def at(self, diameter: Array) -> tuple[Array, Array]:
-        """Share and its deviation, linear in ln d between what is known, constant beyond."""
-        where, known = np.log(diameter), np.log(self.diameter)
-        return np.interp(where, known, self.share), np.interp(where, known, self.share_sd)
+    def at(self, diameter: Array) -> Array:
+        """Share, linear in ln d between the diameters that are known, constant beyond."""
+        return np.interp(np.log(diameter), np.log(self.diameter), self.share)
 
 
 def cut_of_events(events: Events) -> Cut:
@@ -54,18 +52,16 @@ def cut_of_events(events: Events) -> Cut:
     fit = fit_events(events)
     if fit.best is None:
         edge = np.array([left.min(), left.max()]) if left.size else np.array([1e-6, 1.0])
-        return Cut(nan, nan, nan, nan, edge, np.full(2, nan), np.full(2, nan))
+        return Cut(nan, nan, nan, nan, edge, np.full(2, nan))
     diameter = np.geomspace(left.min(), left.max(), 481)
-    share, low, high = fit.band(diameter)
-    _, d50_low, d50_high = fit.sizes[0.50]
+    _, low, high = fit.sizes[0.50]
     return Cut(
         fit.d50,
-        (d50_high - d50_low) / LIMITS,
+        (high - low) / LIMITS,
         fit.sharpness,
         sharpness_deviation(fit),
         diameter,
-        share,
-        (high - low) / LIMITS,
+        fit.best.share(diameter),
     )
 
 
@@ -91,24 +87,31 @@ def cut_of_curve(diameter: ArrayLike, share: ArrayLike) -> Cut:
     """A closed form's curve, share to coarse rising with the diameter; it has no noise."""
     sizes, shares = np.asarray(diameter, dtype=float), np.asarray(share, dtype=float)
     d25, d50, d75 = np.exp(np.interp((0.25, 0.5, 0.75), shares, np.log(sizes)))
-    return Cut(float(d50), 0.0, float(d25 / d75), 0.0, sizes, shares, np.zeros_like(sizes))
+    return Cut(float(d50), 0.0, float(d25 / d75), 0.0, sizes, shares)
 
 
 def errors(cut: Cut, reference: Cut) -> dict[str, float]:
     """d50 relative, sharpness, and the curve's root-mean-square difference around the cut.
 
-    The noise is one standard deviation of what both curves do not know.
+    The noise is one standard deviation of what both curves do not know; the curve's is what the
+    noise of d50 does to it.
     """
     grid = AROUND * reference.d50
-    (share, sd), (true, true_sd) = cut.at(grid), reference.at(grid)
+    d50_noise = hypot(cut.d50_sd, reference.d50_sd) / reference.d50
     return {
         "d50_error": cut.d50 / reference.d50 - 1,
-        "d50_noise": hypot(cut.d50_sd, reference.d50_sd) / reference.d50,
+        "d50_noise": d50_noise,
         "sharpness_error": cut.sharpness - reference.sharpness,
         "sharpness_noise": hypot(cut.sharpness_sd, reference.sharpness_sd),
-        "curve_error": float(np.sqrt(np.mean((share - true) ** 2))),
-        "curve_noise": float(np.sqrt(np.mean(sd**2 + true_sd**2))),
+        "curve_error": float(np.sqrt(np.mean((cut.at(grid) - reference.at(grid)) ** 2))),
+        "curve_noise": moved_by(reference, d50_noise),
     }
+
+
+def moved_by(cut: Cut, shift: float) -> float:
+    """Root-mean-square change around the cut of a curve that is moved by a share of d50."""
+    grid = AROUND * cut.d50
+    return float(np.sqrt(np.mean((cut.at(grid / (1 + shift)) - cut.at(grid)) ** 2)))
 
 
 def known_error(row: Mapping[str, Any], quantity: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from math import isfinite
 from typing import Any
@@ -23,13 +24,16 @@ KINDS = {
 }
 QUANTITIES = {"d50": "error of d50, %", "curve": "error of the curve (rms), %"}
 
+LINE = 0.052
+"""Height of a line of the names, over a panel's."""
+
 Row = dict[str, Any]
 
 
 def figure(rows: Sequence[Row]) -> Figure:
     """Known error against seconds: a row of panels for each scene, d50 left, the curve right."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
-    size = (2 * COLUMN_WIDTH, 0.62 * COLUMN_WIDTH * len(scenes) + 0.35)
+    size = (2 * COLUMN_WIDTH, 0.7 * COLUMN_WIDTH * len(scenes) + 0.35)
     result, panels = plt.subplots(len(scenes), 2, figsize=size, squeeze=False, sharex="row")
     for pair, scene in zip(panels, scenes, strict=True):
         here = [row for row in rows if row["scene"] == scene and isfinite(row["seconds"])]
@@ -42,7 +46,7 @@ def figure(rows: Sequence[Row]) -> Figure:
         plt.Line2D([], [], marker=mark, color=colour, linestyle="", markersize=4, label=kind)
         for kind, (mark, colour) in KINDS.items()
     ]
-    handles.append(plt.Line2D([], [], color="0.5", linewidth=0.8, label="Pareto front"))
+    handles.append(plt.Line2D([], [], color="0.5", linewidth=0.8, label="Pareto front of the runs"))
     result.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return result
 
@@ -62,9 +66,9 @@ def _panel(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
               where="post", color="0.5", linewidth=0.8, zorder=0)  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(3e-4, 3e4)
+    axes.set_xlim(5e-5, 3e4)
     low, high = axes.get_ylim()
-    axes.set_ylim(low / 1.3, high)
+    axes.set_ylim(low / 1.5, high)
     _label(axes, best, quantity)
     percent = FuncFormatter(lambda value, _: f"{100 * value:g}")
     axes.yaxis.set_major_formatter(percent)
@@ -74,26 +78,23 @@ def _panel(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
 
 
 def _label(axes: Axes, best: Sequence[Row], quantity: str) -> None:
-    """Names of the front's runs in a column of their own, in their order from the top; a closed
-    form's name stands beside its mark."""
+    """Names of the front's points in a column of their own, in their order from the top."""
     low, high = np.log(axes.get_ylim())
-    least = 0.075
-    place = 1.0
+    top = 1.0
     for row in sorted(best, key=lambda row: -known_error(row, quantity)):
-        if row["kind"] == "closed form":
-            at = (row["seconds"], known_error(row, quantity))
-            axes.annotate(row["point"], at, xytext=(3, 2), textcoords="offset points",
-                          fontsize=5.5, va="bottom")  # fmt: skip
-            continue
+        lines = textwrap.wrap(row["point"].replace("gas by cells", "cells"), 25)
+        half = 0.5 * LINE * len(lines)
         own = (np.log(known_error(row, quantity)) - low) / (high - low)
-        place = min(own, place - least)
-        axes.annotate(
-            row["point"],
+        place = min(own, top - half)
+        top = place - half - 0.01
+        name = axes.annotate(
+            "\n".join(lines),
             (row["seconds"], known_error(row, quantity)),
-            xytext=(0.46, place),
+            xytext=(0.47, place),
             textcoords="axes fraction",
-            fontsize=5.5,
+            fontsize=5,
             ha="right",
             va="center",
             arrowprops={"arrowstyle": "-", "color": "0.6", "linewidth": 0.4, "shrinkB": 2},
         )
+        name.set_in_layout(False)

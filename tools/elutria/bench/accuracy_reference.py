@@ -27,7 +27,7 @@ from elutria.files import read_csv, write_csv
 COLUMNS = (
     "scene", "how", "parcels", "seeds", "seconds", "made", "commit",
     "d50_m", "d50_sd_m", "sharpness", "sharpness_sd",
-    "diameter_m", "partition_to_coarse", "partition_sd",
+    "diameter_m", "partition_to_coarse",
 )  # fmt: skip
 TEXTS = ("scene", "how", "made", "commit")
 FILE = "accuracy_reference.csv"
@@ -84,9 +84,8 @@ def _rows(cut: Cut) -> list[dict[str, float]]:
             "sharpness_sd": cut.sharpness_sd,
             "diameter_m": diameter,
             "partition_to_coarse": share,
-            "partition_sd": deviation,
         }
-        for diameter, share, deviation in np.column_stack([grid, *cut.at(grid)]).tolist()
+        for diameter, share in np.column_stack([grid, cut.at(grid)]).tolist()
     ]
 
 
@@ -111,7 +110,7 @@ def write(file: Path, rows: Sequence[dict[str, Any]]) -> None:
 
 def _reference(rows: list[dict[str, Any]]) -> Reference:
     first = rows[0]
-    columns = ("diameter_m", "partition_to_coarse", "partition_sd")
+    columns = ("diameter_m", "partition_to_coarse")
     cut = Cut(
         *(float(first[name]) for name in ("d50_m", "d50_sd_m", "sharpness", "sharpness_sd")),
         *(np.array([float(row[name]) for row in rows]) for name in columns),

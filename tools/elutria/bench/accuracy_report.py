@@ -25,6 +25,7 @@ LADDERS = (
 )
 
 HOW = (
+    "The column's own step is 1 ms: the row `step x 2`.",
     "Seconds are of the processor, from a case's files to its events (`elutria bench accuracy`);",
     "errors with one standard deviation of what both curves do not know. Sharpness is d25/d75; the",
     "curve's error is its root-mean-square difference from 0.7 to 1.4 d50. Stock DPMFoam is",
@@ -101,7 +102,7 @@ def _advice(where: str, rows: Sequence[Row], within: float) -> str:
     seconds, error = points[best]
     return (
         f"For d50 to {100 * within:g} % {where} none is known to be enough; **{best}** "
-        f"({seconds:.0f} s a run) comes closest, {100 * error:.1f} %, chance included."
+        f"({seconds:.0f} s a run) comes closest, {100 * error:.2f} %, chance included."
     )
 
 
@@ -204,7 +205,7 @@ def _yes(flag: bool) -> str:
 
 
 def _tables(rows: Sequence[Row]) -> list[str]:
-    """A table for each scene; (f): on the Pareto front of d50's error and seconds."""
+    """A table for each scene; (front): on the runs' Pareto front of d50's error and seconds."""
     lines = []
     for scene in dict.fromkeys(row["scene"] for row in rows):
         lines += [

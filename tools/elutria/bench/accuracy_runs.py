@@ -42,6 +42,8 @@ class Scene:
             f"{BOX}:particles": parcels,
             f"{BOX}:feedTime": FEED_TIME,
             f"{BOX}:drainTime": DRAIN_TIME,
+            f"{CONTROL}:deltaT": STEP,
+            f"{CONTROL}:maxDeltaT": STEP,
             f"{CONTROL}:writeInterval": 1000,
         }
 
