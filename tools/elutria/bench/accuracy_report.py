@@ -25,7 +25,6 @@ LADDERS = (
 )
 
 HOW = (
-    "The column's own step is 1 ms: the row `step x 2`.",
     "Seconds are of the processor, from a case's files to its events (`elutria bench accuracy`);",
     "errors with one standard deviation of what both curves do not know. Sharpness is d25/d75; the",
     "curve's error is its root-mean-square difference from 0.7 to 1.4 d50. Stock DPMFoam is",
