@@ -18,7 +18,7 @@ from elutria.bench.accuracy_error import (
     front,
 )
 from elutria.bench.accuracy_forms import closed_forms
-from elutria.bench.accuracy_runs import FAST, SLOW, Point, make_case, slug, step
+from elutria.bench.accuracy_runs import FAST, SLOW, STEP, Point, make_case, slug, step
 from elutria.bench.uncertainty import inlet
 from elutria.case import Case
 from elutria.dictionary import read_dictionary
@@ -124,7 +124,7 @@ def test_a_point_changes_the_case_and_nothing_else(tmp_path: Path) -> None:
     assert (feed.particles, feed.seed, feed.duration) == (300, 7, 0.25)
     assert Case(case).velocity() == FAST.velocity
     control = read_dictionary(case / "system/controlDict", case)
-    assert control.number("deltaT") == pytest.approx(2e-3)
+    assert control.number("deltaT") == pytest.approx(4 * STEP)
     assert control.raw("adjustTimeStep") is False
     plan = (case / "system/blockMeshDict").read_text()
     assert plan.count("(6 6 29)") == 2

@@ -132,7 +132,7 @@ def test_a_million_through_the_default_column(
         case,
         {
             "system/simulationParameters:particles": 1_000_000,
-            "system/simulationParameters:loading": 8,
+            "system/simulationParameters:gasVelocity": 14,  # nearly all are fines: soon gone
             "system/simulationParameters:drainTime": 1,
             f"{MODELS}/collisionModel": contacts,
             f"{CONTROL}:deltaT": 2e-3,

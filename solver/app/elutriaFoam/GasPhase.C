@@ -8,6 +8,7 @@
 #include "GasPhase.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
+#include "fixedValueFvPatchFields.H"
 #include "wallPolyPatch.H"
 
 namespace Foam
@@ -173,6 +174,19 @@ void GasPhase::reportContinuity()
 }
 
 
+void GasPhase::keepBoundaries()
+{
+    solvedU_.setSize(mesh_.boundary().size());
+    solvedP_.setSize(mesh_.boundary().size());
+    forAll(mesh_.boundary(), patchi)
+    {
+        solvedU_[patchi] = U_.boundaryField()[patchi];
+        solvedP_[patchi] = p_.boundaryField()[patchi];
+    }
+    boundaryChange_ = 0;
+}
+
+
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 GasPhase::GasPhase
@@ -252,10 +266,12 @@ GasPhase::GasPhase
     ),
     cumulativeContinuityError_(0),
     courantRate_(-1),
+    boundaryChange_(0),
     extraSteps_(0)
 {
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
+    keepBoundaries();
 }
 
 
@@ -360,7 +376,36 @@ void GasPhase::solve
         }
     }
     reportContinuity();
+    keepBoundaries();
     runTime.setDeltaT(runStep, false);
+}
+
+
+void GasPhase::followBoundaries()
+{
+    scalar change = 0, rise = 0;
+    forAll(mesh_.boundary(), patchi)
+    {
+        fvPatchVectorField& U = U_.boundaryFieldRef(false)[patchi];
+        if (isA<fixedValueFvPatchVectorField>(U))
+        {
+            U.evaluate();
+            change = max(change, max(mag(U - solvedU_[patchi])));
+        }
+        fvPatchScalarField& p = p_.boundaryFieldRef(false)[patchi];
+        if (isA<fixedValueFvPatchScalarField>(p))
+        {
+            p.evaluate();
+            rise = max(rise, max(mag(p - solvedP_[patchi])));
+        }
+    }
+    boundaryChange_ = returnReduce(max(change, sqrt(rise)), maxOp<scalar>());
+}
+
+
+scalar GasPhase::boundaryChange() const
+{
+    return boundaryChange_ > 0 ? boundaryChange_/meanSpeed() : 0;
 }
 
 

@@ -205,6 +205,7 @@ bool ScenePlan::gasDue(const Time& runTime, const scalar window)
     return
         ++since_ >= interval_
      || next*gas_.courantRate() > courant_
+     || gas_.boundaryChange() > tolerance_
      || runTime.writeTime();
 }
 
@@ -222,7 +223,7 @@ bool ScenePlan::gasNeeded(const volVectorField& force)
         moved*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed());
 
     since_ = 0;
-    if (spared < tolerance_)
+    if (spared < tolerance_ && gas_.boundaryChange() < tolerance_)
     {
         ++sleeps_;
         largestSpared_ = max(largestSpared_, spared);

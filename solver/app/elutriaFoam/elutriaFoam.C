@@ -224,6 +224,7 @@ void run(const argList& args)
         moveParticles(runTime, cloud);
         plan.account(ScenePlan::partParticles);
 
+        gas.followBoundaries();
         if (plan.gasDue(runTime, cloud.window()))
         {
             settleGas(runTime, gas, cloud, plan, largestSolidFraction);

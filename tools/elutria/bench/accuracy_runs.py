@@ -20,7 +20,7 @@ from elutria.files import read_json, write_json, write_text
 from elutria.run import is_finished, run_case
 from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
 
-FEED_TIME, DRAIN_TIME, STEP = 0.25, 1.0, 5e-4
+FEED_TIME, DRAIN_TIME, STEP = 0.25, 1.0, 1e-3
 """s: of the feed, from its end to the run's end, and the time step of a point that has no other."""
 
 Changes = Mapping[str, Any]
@@ -84,7 +84,7 @@ GAS_ON = {"system/scenePlan:gas": True}
 SOFT = {f"{CONTACTS}/treatment": "soft"}
 NO_CONTACTS = {f"{MODELS}/collisionModel": "none"}
 ONE_WAY = {f"{CLOUD}:solution/coupled": False}
-BY_CELLS = {f"{CLOUD}:solution/interpolationSchemes/U.air": "cell"}
+BY_POINTS = {f"{CLOUD}:solution/interpolationSchemes/U.air": "cellPoint"}
 REAL = {f"{BOX}:parcels": "particles"}
 STOCK_MODELS: Changes = {
     **drag("sphereDrag"),
@@ -109,24 +109,22 @@ POINTS = (
     Point("gas on every step, mesh x 0.6", GAS_ON, mesh=0.6, fast=False, dense=False),
     Point("everything on, mesh x 0.6, parcels / 3", {**GAS_ON, **SOFT}, 1 / 3, 0.6,
           fast=False, dense=False),
-    Point("one-way, step x 4, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(4)}, 3, 1.5,
+    Point("one-way, step x 2, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(2)}, 3, 1.5,
           dense=False),
-    Point("step x 4, mesh x 0.6", step(4), mesh=0.6, dense=False),
-    Point("one-way, step x 4, parcels / 3", {**ONE_WAY, **step(4)}, parcels=1 / 3),
-    Point("gas by cells", BY_CELLS),
-    Point("gas by cells, mesh x 0.6", BY_CELLS, mesh=0.6, fast=False, dense=False),
-    Point("gas by cells, one-way, step x 4, mesh x 1.5, parcels x 3",
-          {**BY_CELLS, **ONE_WAY, **step(4)}, 3, 1.5, fast=False, dense=False),
-    Point("gas by cells, one-way, step x 4", {**BY_CELLS, **ONE_WAY, **step(4)}),
-    Point("gas by cells, one-way, step x 4, parcels x 3", {**BY_CELLS, **ONE_WAY, **step(4)}, 3),
+    Point("step x 2, mesh x 0.6", step(2), mesh=0.6, dense=False),
+    Point("one-way, step x 2, parcels / 3", {**ONE_WAY, **step(2)}, parcels=1 / 3),
+    Point("one-way, step x 2", {**ONE_WAY, **step(2)}),
+    Point("one-way, step x 2, parcels x 3", {**ONE_WAY, **step(2)}, 3),
+    Point("gas by points", BY_POINTS),
+    Point("gas by points, mesh x 0.6", BY_POINTS, mesh=0.6, fast=False, dense=False),
+    Point("gas by points, one-way, step x 2, mesh x 1.5, parcels x 3",
+          {**BY_POINTS, **ONE_WAY, **step(2)}, 3, 1.5, fast=False, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
-REFERENCE = Point("gas by cells, mesh x 1.5", BY_CELLS, mesh=1.5)
-DENSE_REFERENCE = Point(
-    "gas by cells, gas tolerance / 2", {**BY_CELLS, "system/scenePlan:gasTolerance": 0.005}
-)
+REFERENCE = Point("mesh x 1.5", mesh=1.5)
+DENSE_REFERENCE = Point("gas tolerance / 2", {"system/scenePlan:gasTolerance": 0.005})
 """The finest that a few minutes can pay; the points show what further refinements change."""
 
 

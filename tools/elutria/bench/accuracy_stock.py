@@ -113,7 +113,7 @@ def stretches(
     return found
 
 
-def run_mppic(folder: Path, scene: Scene, parcels: int, step: float = 2 * STEP) -> Done:
+def run_mppic(folder: Path, scene: Scene, parcels: int, step: float = STEP) -> Done:
     """MPPICFoam on the same column with models of its own: parcels of equal mass by
     patchInjection, sphereDrag, stochastic dispersion, tutorial's collision damping and isotropy.
 

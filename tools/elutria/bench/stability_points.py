@@ -211,8 +211,8 @@ def courant(folder: Path, number: float, loading: float) -> Verdict:
     fine = [folder.parent / f"fine{loading:g}-{seed}" for seed in (1, 2)]
     if not fine[0].exists():
         for seed, place in enumerate(fine, 1):
-            column(place, velocity, loading, 0.25 * size / velocity, seed=seed)
-    case, output = column(folder, velocity, loading, number * size / velocity)
+            column(place, velocity, loading, 0.25 * size / velocity, seed=seed, gas=True)
+    case, output = column(folder, velocity, loading, number * size / velocity, gas=True)
     gas, exact, other = (read_gas(c, times(c)[-1]) for c in (case, *fine))
 
     def differs(one: Any) -> float:

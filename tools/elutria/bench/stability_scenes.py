@@ -195,11 +195,11 @@ def colliding(
 
 def bed(
     folder: Path, settings: Mapping[str, Any], number: int = 64, end: float = 0.3,
-    step: float = 2e-3, ends: Mapping[str, Any] | None = None, packed: bool = False,
+    step: float = 2e-3, ends: Mapping[str, Any] | None = None, packed: bool = False, seed: int = 4,
 ) -> tuple[Particles, Particles, str]:  # fmt: skip
     """Spheres of 1 mm that fall upon each other between walls and come to rest, coupled gas."""
     side, diameter = 0.006, 1e-3
-    random = np.random.default_rng(4)
+    random = np.random.default_rng(seed)
     layers = math.ceil(number / 16)
     pitch = diameter * (1.0 if packed else 1.3)
     places = np.array([
@@ -239,6 +239,7 @@ def what_is_inside(case: Path) -> Particles:
 def column(
     folder: Path, velocity: float, loading: float, step: float | None = None,
     inlet: str | None = None, end: float = 0.3, particles: int = 1000, seed: int = 1,
+    gas: str | bool = "auto",
 ) -> tuple[Path, str]:  # fmt: skip
     """The default column in 336 coarse cells, 0.6 to 2 mm particles; `inlet` is a table of U."""
     shutil.copytree(project_root() / "cases/column", folder,
@@ -259,7 +260,7 @@ def column(
             f"{BOX}:loading": loading,
             f"{BOX}:particles": particles,
             f"{BOX}:seed": seed,
-            "system/scenePlan:gas": True,
+            "system/scenePlan:gas": gas,
             f"{CONTROL}:endTime": end,
             f"{CONTROL}:writeInterval": end,
             **({f"{CONTROL}:deltaT": step, f"{CONTROL}:adjustTimeStep": False} if step else {}),

@@ -106,7 +106,7 @@ VARIED: Mapping[str, Mapping[str, Changes]] = {
         "1": {f"{BOX}:loading": 1},
     },
 }
-NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "soft contacts", "gas by cells")
+NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "soft contacts", "gas by points")
 QUICK, QUICK_MESH = ("drag law", "restitution"), 0.6
 QUICK_BASE = "mesh x 0.6"
 

@@ -120,8 +120,11 @@ def _plug_flow(
 COUPLINGS = {"one-way": (False, False), "two-way": (True, False), "four-way": (True, True)}
 
 
-def loaded(folder: Path, loading: float, coupling: str) -> Events:
-    """600 grains through a small column at 8 m/s, fed from one of its walls, gas on every step."""
+def loaded(folder: Path, loading: float, coupling: str, gas: str | bool = True) -> Events:
+    """600 grains through a small column at 8 m/s, fed from one of its walls.
+
+    `gas` as in system/scenePlan, where the coupling needs it.
+    """
     two_way, contacts = COUPLINGS[coupling]
     velocity, density = 8.0, 2650.0
     cut = plug_flow_cut_size(velocity, density, GAS, gravity=GRAVITY)
@@ -137,7 +140,7 @@ def loaded(folder: Path, loading: float, coupling: str) -> Events:
             f"{BOX}:cellsAlong": 20,
             f"{CLOUD}:solution/coupled": two_way,
             f"{MODELS}/collisionModel": "cellList" if contacts else "none",
-            "system/scenePlan:gas": two_way,
+            "system/scenePlan:gas": gas if two_way else False,
             **loose_solvers(1e-8, 1e-3),
             f"{CONTROL}:deltaT": 1e-3,
             f"{CONTROL}:endTime": 1000,
