@@ -49,7 +49,7 @@ HELP = "run time against error: closed forms, the plan and what it skips, stock;
 COLUMNS = report.COLUMNS
 SCENES = (SLOW, FAST, DENSE)
 PARCELS, QUICK_PARCELS = 1200, 200
-QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6")
+QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6", "gas by points, mesh x 0.6")
 
 Row = dict[str, Any]
 
@@ -58,7 +58,7 @@ def run(options: Options) -> None:
     """All scenes and points; writes accuracy.csv, .png, .json, .md and uncertainty.csv, .png."""
     usual = QUICK_PARCELS if options.quick else PARCELS
     parcels = int(options.extra.get("parcels", usual))
-    runs = options.folder / "runs"
+    runs = options.folder / "accuracy-runs"  # other benchmarks have a "runs" there
     scenes = SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]
     table = _references(options, runs, scenes)
     rows: list[Row] = []
