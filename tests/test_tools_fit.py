@@ -207,3 +207,14 @@ def test_unequal_weights_at_one_size_lower_the_effective_number() -> None:
     diameter = np.exp(random.normal(np.log(CUT), 0.3, 5_000))
     weight = random.exponential(1.0, 5_000)  # Kish: effective number is half
     assert relative_weights(diameter, weight).sum() == pytest.approx(2_500, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_band_of_a_sharp_cut_is_narrow_away_from_it(seed: int) -> None:
+    """A bypass that ends at 0 tells nothing about itself: that must not widen the band."""
+    random = np.random.default_rng(seed)
+    diameter = np.geomspace(0.4 * CUT, 3 * CUT, 5_000)
+    coarse = random.random(5_000) < MODELS[0].share(diameter / CUT, 4.3)
+    share, low, high = fit_partition(diameter, coarse).band(np.array([0.6, 0.8, 1.25, 2]) * CUT)
+    assert share == pytest.approx([0, 0, 1, 1], abs=1e-3)
+    assert (high - low).max() < 0.05

@@ -131,7 +131,9 @@ class PartitionFit:
             return share, np.where(inside, 0.0, share), np.where(inside, 1.0, share)
         low, high = share.copy(), share.copy()
         likeliest = max(fit.log_likelihood for fit in self.ranked)
-        for fit in self.ranked:
+        # a bypass that ended at 0 may have no covariance: the curve without it says the same
+        known = [fit for fit in self.ranked if fit.covariance is not None]
+        for fit in known or self.ranked:
             slack = _THRESHOLD - 2 * (likeliest - fit.log_likelihood)
             if slack > 0:
                 lower, upper = fit.limits(diameter, sqrt(slack))

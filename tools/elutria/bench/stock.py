@@ -141,7 +141,7 @@ def _figure(rows: list[dict[str, object]]) -> plt.Figure:
     for place, value in enumerate(speed):
         axes.annotate(f" {value:.1f}", (value, place), va="center", fontsize=7)
     axes.invert_yaxis()
-    axes.set_xlabel("simulated time per wall time, over stock", fontsize=8)
+    axes.set_xlabel("speed over stock", fontsize=8)
     axes.tick_params(labelsize=7)
     axes.set_xlim(0, max(speed) * 1.15)
     return figure
