@@ -119,7 +119,6 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
     ScenePlan& plan, const scalar largestSolidFraction)
 {
     gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
-    gas.setArrived(cloud.arrivedFraction());
     if (cloud.excessVolume() > 0)
     {
         Info<< "    Warning: " << cloud.excessVolume()
@@ -136,6 +135,7 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
         return;
     }
 
+    gas.setArrived(cloud.arrivedFraction());
     gas.correctTransport();
     try
     {
