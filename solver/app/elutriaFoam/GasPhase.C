@@ -8,6 +8,7 @@
 #include "GasPhase.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
+#include "fixedFluxPressureFvPatchScalarField.H"
 #include "fixedValueFvPatchFields.H"
 #include "wallPolyPatch.H"
 
@@ -113,7 +114,8 @@ void GasPhase::correctPressure
     const fvVectorMatrix& momentum,
     const volScalarField& rAU,
     const surfaceScalarField& rAUf,
-    const surfaceScalarField& forceFlux
+    const surfaceScalarField& forceFlux,
+    const surfaceScalarField& inletDrag
 )
 {
     volVectorField HbyA(constrainHbyA(rAU*momentum.H(), U_, p_));
@@ -126,7 +128,7 @@ void GasPhase::correctPressure
     {
         adjustPhi(phiHbyA, U_, p_);
     }
-    phiHbyA += forceFlux;
+    phiHbyA += forceFlux - inletDrag;
     constrainPressure(p_, U_, phiHbyA, rAUf);
 
     while (pimple_.correctNonOrthogonal())
@@ -155,6 +157,37 @@ void GasPhase::correctPressure
             U_.correctBoundaryConditions();
         }
     }
+}
+
+
+tmp<surfaceScalarField> GasPhase::inletDrag
+(
+    const volScalarField& coefficient,
+    const surfaceScalarField& rAUf
+) const
+{
+    auto tdrag = tmp<surfaceScalarField>::New
+    (
+        IOobject("inletDrag", mesh_.time().timeName(), mesh_),
+        mesh_,
+        dimensionedScalar(dimVolume/dimTime, Zero)
+    );
+    surfaceScalarField::Boundary& drag = tdrag.ref().boundaryFieldRef();
+    forAll(drag, patchi)
+    {
+        if (isA<fixedFluxPressureFvPatchScalarField>(p_.boundaryField()[patchi]))
+        {
+            drag[patchi] =
+                rAUf.boundaryField()[patchi]
+               *coefficient.boundaryField()[patchi]
+               /rho_.boundaryField()[patchi]
+               *(
+                    U_.boundaryField()[patchi]
+                  & mesh_.Sf().boundaryField()[patchi]
+                );
+        }
+    }
+    return tdrag;
 }
 
 
@@ -353,6 +386,7 @@ void GasPhase::solve
            /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
         );
         forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
+        const surfaceScalarField inletFlux(inletDrag(coefficient, rAUf));
 
         if (pimple_.momentumPredictor())
         {
@@ -368,7 +402,7 @@ void GasPhase::solve
         }
         while (pimple_.correct())
         {
-            correctPressure(UEqn, rAU, rAUf, forceFlux);
+            correctPressure(UEqn, rAU, rAUf, forceFlux, inletFlux);
         }
         if (pimple_.turbCorr())
         {

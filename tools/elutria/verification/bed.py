@@ -69,14 +69,18 @@ class HeldBed:
 
     middle: float
     whole: float
+    speeds: Array  # upward mean of each layer of cells, interstitial, m/s
 
 
 def held_bed(
     folder: Path, diameter: float, void: float, velocity: float, forces: Mapping[str, Any],
-    kernel: Any = "auto",
+    kernel: Any = "auto", free: int = 8,
 ) -> HeldBed:  # fmt: skip
-    """Gas through a lattice of spheres too heavy to move, 4 x 4 x 48, two to a cell's side."""
-    across, along, free = 4, 48, 8
+    """Gas through a lattice of spheres too heavy to move, 4 x 4 x 48, two to a cell's side.
+
+    `free`: layers without spheres below and above the bed.
+    """
+    across, along = 4, 48
     pitch = diameter * (pi / 6 / (1 - void)) ** (1 / 3)
     grid = np.stack(
         np.meshgrid(np.arange(across), np.arange(across), np.arange(along), indexing="ij"), -1
@@ -107,11 +111,13 @@ def held_bed(
     )
     run_scene(case)
     layers = (along + 2 * free) // 2
-    pressure = read_gas(case, times(case)[-1], "p")[:, 0].reshape(layers, -1).mean(1) * GAS.density
+    end = times(case)[-1]
+    pressure = read_gas(case, end, "p")[:, 0].reshape(layers, -1).mean(1) * GAS.density
     low, high = layers // 2 - 4, layers // 2 + 4
     return HeldBed(
         float(pressure[low] - pressure[high]) / (8 * 2 * pitch),
         float(pressure[0] - pressure[-1]) / (along * pitch),
+        read_gas(case, end)[:, 2].reshape(layers, -1).mean(1),
     )
 
 
