@@ -202,8 +202,11 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
 {
     if (particles.size() == 0) return 1e300;
     double radius = 1e300, mass = 1e300, fastest = 0;
+    std::uint64_t moving = 0;       // bits of the particles' materials: walls do not meet each other
+    const auto bit = [](std::uint32_t material) { return 1ull << std::min(material, 63u); };
     for (std::size_t i = 0; i < particles.size(); ++i)
     {
+        moving |= bit(particles.material[i]);
         radius = std::min(radius, particles.radius[i]);
         mass = std::min(mass, particles.mass[i]);
         fastest = std::max(fastest, norm(particles.velocity[i]));
@@ -214,6 +217,7 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
     {
         for (std::uint32_t b = 0; b <= a; ++b)
         {
+            if (!(moving & (bit(a) | bit(b)))) continue;
             const laws::Coefficients& c = laws(a, b);
             const double time = settings.law == ContactLaw::linear
                 ? laws::linearContactTime(c.stiffness, mass/2,

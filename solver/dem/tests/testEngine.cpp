@@ -375,6 +375,22 @@ TEST_SUITE("engine")
         CHECK(message([&] { small.advance(p, 1e-3); }).find("periodic box") == 0);
     }
 
+    TEST_CASE("the sub-step is of pairs that can meet: two walls do not")
+    {
+        ContactMaterials materials;
+        for (int k = 0; k < 3; ++k) materials.add({});
+        PairProperties soft;
+        soft.normalStiffness = 1;
+        for (std::uint32_t b = 0; b < 3; ++b) materials.setPair(0, b, soft);
+        Settings settings;
+        settings.law = ContactLaw::linear;
+        Particles p;
+        addSphere(p, {}, 1e-3, 2500);
+        const double expected = settings.stepFraction
+            *laws::linearContactTime(soft.normalStiffness, p.mass[0]/2, soft.restitution);
+        CHECK(Engine(settings, materials).stepLimit(p) == doctest::Approx(expected));
+    }
+
     TEST_CASE("deep overlaps are reported with the number, and expected before")
     {
         PairProperties pair;
