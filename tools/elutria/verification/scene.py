@@ -209,6 +209,21 @@ def write_particles(case: Path, particles: Particles, time: str = "0") -> None:
     )
 
 
+def patch_mean(patch: str, field: str) -> dict[str, Any]:
+    """Settings that write a field's mean over a patch on every step, to postProcessing/PATCH."""
+    mean = {
+        "type": "surfaceFieldValue",
+        "libs": ['"libfieldFunctionObjects.so"'],
+        "regionType": "patch",
+        "name": patch,
+        "operation": "areaAverage",
+        "fields": [field],
+        "writeFields": False,
+        "log": False,
+    }
+    return {f"{CONTROL}:functions": {patch: mean}}
+
+
 def run_scene(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> str:
     """Run the solver in `case`; its output, also kept in log.SOLVER. Raises ElutriaError."""
     command = [solver]
