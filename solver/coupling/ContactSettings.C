@@ -9,7 +9,7 @@
 #include "foamVersion.H"
 #include "cyclicPolyPatch.H"
 #include "processorCyclicPolyPatch.H"
-#include "wallPolyPatch.H"
+#include "MirrorPatches.H"
 #include "Enum.H"
 #include "SubField.H"
 
@@ -123,8 +123,7 @@ void ContactSettings::readOwn
         FatalIOErrorInFunction(dict)
             << "stepFraction is " << settings.stepFraction
             << ", allowed: above 0, up to " << largestStepFraction
-            << " of a contact's duration"
-            << exit(FatalIOError);
+            << " of a contact's duration" << exit(FatalIOError);
     }
     dict.readIfPresent("step", settings.step);
     dict.readIfPresent("skin", settings.skin);
@@ -248,7 +247,7 @@ ContactSettings::ContactSettings
             << "collisionModel cellList needs cellListCoeffs or"
             << " pairCollisionCoeffs" << exit(FatalIOError);
     }
-
+    addMirrors(materials, particleNames.size(), mesh);
     try
     {
         materials.check();
@@ -292,14 +291,15 @@ elutria::dem::Walls collectWalls
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
 
-    label wall = -1;
+    const label mirror = wallPatchNames(mesh).size();
+    label walls = 0;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        if (!isA<wallPolyPatch>(patch))
+        if (!meetsParticles(patch))
         {
             continue;
         }
-        ++wall;
+        const label wall = isMirror(patch) ? mirror : walls++;
         for (const face& f : patch)
         {
             faceList triangles(f.nTriangles());

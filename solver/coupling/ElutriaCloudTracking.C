@@ -14,7 +14,7 @@ Description
 #include "foamVersion.H"
 #include "ParcelTransfer.H"
 #include "meshTools.H"
-#include "wallPolyPatch.H"
+#include "MirrorPatches.H"
 
 namespace Foam
 {
@@ -97,7 +97,7 @@ void ElutriaCloud::meetPatch
     const vector arrival(flight.start + done*(flight.end - flight.start));
     const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
 
-    if (contacts_ && isA<wallPolyPatch>(patch))
+    if (contacts_ && meetsParticles(patch))
     {
         // The engine has dealt with the wall; the chord of a curved path cuts
         // a corner. Go where the path ends, or along the wall towards it.
