@@ -8,12 +8,25 @@
 namespace elutria::dem
 {
 
+namespace
+{
+
+/// resize() that takes no more memory than asked for.
+template<class T>
+void widen(std::vector<T>& values, std::size_t size)
+{
+    values.reserve(size);
+    values.resize(size);
+}
+
+} // namespace
+
 void ContactTable::Arrays::makeRoom(std::size_t more)
 {
     if (count + more <= first.size()) return;
     const std::size_t size = count + more + count/8;
-    first.resize(size), second.resize(size), x.resize(size), y.resize(size), z.resize(size);
-    touching.resize(size);
+    widen(first, size), widen(second, size), widen(x, size), widen(y, size), widen(z, size);
+    widen(touching, size);
 }
 
 std::size_t ContactTable::Arrays::bytes() const
@@ -149,22 +162,29 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
     next.makeRoom(contactBlock);
     std::fill_n(next.touching.begin() + std::ptrdiff_t(next.count), contactBlock, 0);
     std::swap(chunk.current, next);
-    chunk.across.resize(chunk.current.count - chunk.current.inside);
+    widen(chunk.across, chunk.current.count - chunk.current.inside);
 }
 
 void ContactTable::connect()
 {
-    for (Chunk& chunk : chunks_) chunk.incoming.clear();
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
+    const auto forAcross = [&](const auto& visit)
     {
-        const Arrays& a = chunks_[c].current;
-        for (std::size_t k = a.inside; k < a.count; ++k)
+        for (std::size_t c = 0; c < chunks_.size(); ++c)
         {
-            const std::uint32_t j = a.second[k];
-            chunks_[j/chunkSize].incoming.push_back(
-                {std::uint32_t(c), std::uint32_t(k - a.inside), j});
+            const Arrays& a = chunks_[c].current;
+            for (std::size_t k = a.inside; k < a.count; ++k)
+            {
+                visit(chunks_[a.second[k]/chunkSize], c, k - a.inside, a.second[k]);
+            }
         }
-    }
+    };
+    for (Chunk& chunk : chunks_) chunk.incoming.clear(), chunk.incomingCount = 0;
+    forAcross([](Chunk& to, auto...) { ++to.incomingCount; });
+    for (Chunk& chunk : chunks_) chunk.incoming.reserve(chunk.incomingCount);
+    forAcross([](Chunk& to, std::size_t from, std::size_t slot, std::uint32_t particle)
+    {
+        to.incoming.push_back({std::uint32_t(from), std::uint32_t(slot), particle});
+    });
 }
 
 struct ContactTable::Job

@@ -94,6 +94,7 @@ private:
         Arrays current;
         std::vector<Contribution> across;
         std::vector<Incoming> incoming;
+        std::size_t incomingCount = 0;
         float largestOverlap = 0;
     };
     class OldContacts;

@@ -76,10 +76,9 @@ void EventDriven::predictAll()
             const Vector3 centre = box_.wrapped(bound.centre);
             x[i] = centre.x, y[i] = centre.y, z[i] = centre.z, reach[i] = bound.reach;
         }
-        std::vector<Pair> pairs;
-        findPairs({n, x.data(), y.data(), z.data(), reach.data()}, box_,
-                  NeighbourSearch::automatic, 1, pairs);
-        for (const Pair& pair : pairs) predictPair(pair.first, pair.second, begin);
+        const Spheres bounds{n, x.data(), y.data(), z.data(), reach.data()};
+        for (const Pair& pair : findPairs(bounds, box_, NeighbourSearch::automatic))
+            predictPair(pair.first, pair.second, begin);
     }
     for (std::uint32_t a = 0; a < n; ++a) predictWall(a, begin);
 }

@@ -128,6 +128,7 @@ private:
     Vector3 frame_;                            // m/s
     VectorArray centres_;
     std::vector<double> reach_;
+    PairSearch search_;
     PairList pairs_;
     std::vector<Candidate> candidates_, overlaps_;    // overlaps_: without history; second none: wall
     std::vector<std::uint32_t> atWall_, touching_;

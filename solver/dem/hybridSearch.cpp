@@ -85,7 +85,7 @@ void Hybrid::findBoundPairs()
         centres_.set(i, settings_.box.wrapped(bounds_[i].centre));
         reach_[i] = bounds_[i].reach;
     }
-    findPairs({n, centres_.x.data(), centres_.y.data(), centres_.z.data(), reach_.data()},
+    search_.find({n, centres_.x.data(), centres_.y.data(), centres_.z.data(), reach_.data()},
               settings_.box, NeighbourSearch::automatic, 1, threadsFor(n), pairs_);
 }
 

@@ -1,5 +1,6 @@
 #include "search.hpp"
 
+#include "grid.hpp"
 #include "threads.hpp"
 
 #include <algorithm>
@@ -35,6 +36,7 @@ public:
         return pairs_.data() + count_;
     }
     void take(std::size_t count) { count_ += count; }
+    void clear() { count_ = 0; }
 
     const Pair* begin() const { return pairs_.data(); }
     const Pair* end() const { return pairs_.data() + count_; }
@@ -61,135 +63,95 @@ void bruteForce(const Spheres& s, const PeriodicBox& box, Found& found)
     }
 }
 
-/// A grid of cells over some of the spheres, which it keeps sorted by cell, x fastest.
-class Grid
+struct Entry
 {
-public:
-    struct Entry
-    {
-        double x, y, z, reach;
-        std::uint32_t index, cell;
-    };
-
-    std::vector<Entry> entries;
-    double largestReach = 0;
-
-    void add(const Spheres& s, const PeriodicBox& box, std::uint32_t i)
-    {
-        const Vector3 x = box.wrapped(s.position(i));
-        entries.push_back({x.x, x.y, x.z, s.reach(i), i, 0});
-        largestReach = std::max(largestReach, s.reach(i));
-    }
-
-    /// Cells at least `width` wide, wider where the grid would outgrow its particles.
-    void build(const PeriodicBox& box, double width)
-    {
-        Vector3 low{1e300, 1e300, 1e300}, high = -low;
-        for (const Entry& e : entries)
-        {
-            low = {std::min(low.x, e.x), std::min(low.y, e.y), std::min(low.z, e.z)};
-            high = {std::max(high.x, e.x), std::max(high.y, e.y), std::max(high.z, e.z)};
-        }
-        for (int a = 0; a < 3; ++a)
-        {
-            periodic_[a] = box.periodic[a];
-            if (periodic_[a]) low[a] = box.low[a], high[a] = box.high[a];
-        }
-        low_ = low;
-        length_ = high - low;
-        for (;; width *= 1.26)
-        {
-            double count = 1;
-            for (int a = 0; a < 3; ++a) count *= std::max(1.0, std::floor(length_[a]/width));
-            if (count <= 2.0*double(entries.size()) + 64) break;
-        }
-        for (int a = 0; a < 3; ++a)
-        {
-            cells_[a] = std::max(1, int(length_[a]/width));
-            inverse_[a] = length_[a] > 0 ? cells_[a]/length_[a] : 0;
-        }
-        sortByCell();
-    }
-
-    /// Calls visit(begin, end) for runs of entries, among them all within `reach` of x.
-    template<class Visit>
-    void around(const Vector3& x, double reach, const Visit& visit) const
-    {
-        int from[3], to[3];
-        for (int a = 0; a < 3; ++a)
-        {
-            // limited before they become integers: particles may lie in a plane but for rounding
-            const double first = std::floor((x[a] - reach - low_[a])*inverse_[a]);
-            const double last = std::floor((x[a] + reach - low_[a])*inverse_[a]);
-            from[a] = int(std::max(first, -1.0*cells_[a]));
-            to[a] = int(std::min(last, 2.0*cells_[a]));
-            if (!periodic_[a]) from[a] = std::max(from[a], 0), to[a] = std::min(to[a], cells_[a] - 1);
-            else if (to[a] - from[a] >= cells_[a]) from[a] = 0, to[a] = cells_[a] - 1;
-        }
-        for (int cz = from[2]; cz <= to[2]; ++cz)
-        {
-            for (int cy = from[1]; cy <= to[1]; ++cy)
-            {
-                const std::size_t row =
-                    (std::size_t(wrapped(2, cz))*cells_[1] + wrapped(1, cy))*cells_[0];
-                for (int cx = from[0]; cx <= to[0];)
-                {
-                    const int start = wrapped(0, cx);
-                    const int run = std::min(to[0] - cx, cells_[0] - 1 - start);
-                    visit(begin_[row + start], begin_[row + start + run + 1]);
-                    cx += run + 1;
-                }
-            }
-        }
-    }
-
-private:
-    int wrapped(int a, int c) const
-    {
-        return c < 0 ? c + cells_[a] : c >= cells_[a] ? c - cells_[a] : c;
-    }
-
-    std::uint32_t cellOf(const Entry& e) const
-    {
-        const double x[3] = {e.x, e.y, e.z};
-        std::size_t cell = 0;
-        for (int a = 2; a >= 0; --a)
-        {
-            const int c = std::clamp(int((x[a] - low_[a])*inverse_[a]), 0, cells_[a] - 1);
-            cell = cell*cells_[a] + c;
-        }
-        return std::uint32_t(cell);
-    }
-
-    void sortByCell()
-    {
-        begin_.assign(std::size_t(cells_[0])*cells_[1]*cells_[2] + 1, 0);
-        for (Entry& e : entries)
-        {
-            e.cell = cellOf(e);
-            ++begin_[e.cell + 1];
-        }
-        for (std::size_t c = 0; c + 1 < begin_.size(); ++c) begin_[c + 1] += begin_[c];
-        std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-        std::vector<Entry> sorted(entries.size());
-        for (const Entry& e : entries) sorted[next[e.cell]++] = e;
-        entries.swap(sorted);
-    }
-
-    bool periodic_[3];
-    Vector3 low_, length_;
-    int cells_[3];
-    double inverse_[3];
-    std::vector<std::uint32_t> begin_;
+    double x, y, z, reach;
+    std::uint32_t index;
 };
 
-/// Pairs of entry `e` with entries [begin, end) of a grid.
-inline void compare(const Grid::Entry& e, const Grid::Entry* begin, const Grid::Entry* end,
-                    const PeriodicBox& box, bool wraps, Found& found)
+} // namespace
+
+/// Grids, from that of the largest spheres on, with what lies in them.
+struct SearchGrids
 {
-    Pair* const room = found.room(std::size_t(end - begin));
+    std::vector<Grid> levels;
+    std::vector<std::uint32_t> levelBegin;     // in entries
+    std::vector<Entry> entries;                // by level, then cell
+    std::vector<std::uint32_t> begin;          // of each cell, in entries
+    std::vector<std::uint32_t> cell;           // of each sphere
+    std::vector<Found> found;                  // by each thread
+
+    void make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers);
+
+private:
+    void sort(const Spheres& s, const PeriodicBox& box);
+};
+
+/// Grids of doubling cell width, or a single one.
+void SearchGrids::make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers)
+{
+    Vector3 low{1e300, 1e300, 1e300}, high = -low;
+    double smallest = 1e300, largest = 0;
+    for (std::size_t i = 0; i < s.size; ++i)
+    {
+        const Vector3 x = s.position(i);
+        low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+        high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+        smallest = std::min(smallest, s.reach(i));
+        largest = std::max(largest, s.reach(i));
+    }
+    const auto levelOf = [&](double reach)
+    {
+        return hierarchical ? std::min(20, std::ilogb(largest/reach + 1e-9)) : 0;
+    };
+    levels.assign(levelOf(smallest) + 1, {});
+    cell.resize(s.size);
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        Grid& level = levels[cell[i] = levelOf(s.reach(i))];
+        level.largestReach = std::max(level.largestReach, s.reach(i));
+        ++level.spheres;
+    }
+    std::size_t cells = 0;
+    levelBegin.assign(1, 0);
+    for (Grid& level : levels)
+    {
+        level.firstCell = cells;
+        if (level.spheres > 0) level.shape(box, low, high, 2*level.largestReach/layers);
+        if (level.spheres > 0) cells += level.size();
+        levelBegin.push_back(levelBegin.back() + std::uint32_t(level.spheres));
+    }
+    begin.assign(cells + 2, 0);
+    sort(s, box);
+}
+
+void SearchGrids::sort(const Spheres& s, const PeriodicBox& box)
+{
+    // shifted by two: once the entries are placed, begin[c] is where those of c begin
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        cell[i] = std::uint32_t(levels[cell[i]].cellOf(box.wrapped(s.position(i))));
+        ++begin[cell[i] + 2];
+    }
+    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    entries.resize(s.size);
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        const Vector3 x = box.wrapped(s.position(i));
+        entries[begin[cell[i] + 1]++] = {x.x, x.y, x.z, s.reach(i), i};
+    }
+}
+
+namespace
+{
+
+/// Pairs of entry `e` with entries [from, to).
+inline void compare(const Entry& e, const Entry* from, const Entry* to, const PeriodicBox& box,
+                    bool wraps, Found& found)
+{
+    Pair* const room = found.room(std::size_t(to - from));
     std::size_t count = 0;
-    for (const Grid::Entry* f = begin; f != end; ++f)
+    for (const Entry* f = from; f != to; ++f)
     {
         Vector3 d{e.x - f->x, e.y - f->y, e.z - f->z};
         if (wraps) d = box.shortest(d);
@@ -200,63 +162,49 @@ inline void compare(const Grid::Entry& e, const Grid::Entry* begin, const Grid::
     found.take(count);
 }
 
-/// Pairs of entries [from, to) of one grid with the grid's own entries (each once) or with all
-/// entries of a grid of larger spheres.
-void searchRange(const Grid& own, const Grid& other, std::size_t from, std::size_t to,
+/// Pairs of the level's entries [from, to) with each other and with all smaller spheres. The large
+/// look for the small: they are fewer, and the small ones' cells hold few that are out of reach.
+void searchLevel(const SearchGrids& grids, std::size_t level, std::size_t from, std::size_t to,
                  const PeriodicBox& box, Found& found)
 {
-    const bool same = &own == &other, wraps = box.any();
-    const Grid::Entry* entries = other.entries.data();
-    for (std::size_t k = from; k < to; ++k)
+    const bool wraps = box.any();
+    const Entry* const entries = grids.entries.data();
+    const std::uint32_t* const begin = grids.begin.data();
+    const Grid& own = grids.levels[level];
+    for (auto k = std::uint32_t(from); k < to; ++k)
     {
-        const Grid::Entry& e = own.entries[k];
-        const std::uint32_t after = same ? std::uint32_t(k) + 1 : 0;
-        other.around({e.x, e.y, e.z}, e.reach + other.largestReach,
-            [&](std::uint32_t begin, std::uint32_t end)
-            {
-                begin = std::max(begin, after);
-                if (begin < end) compare(e, entries + begin, entries + end, box, wraps, found);
-            });
+        const Entry& e = entries[k];
+        const Vector3 x{e.x, e.y, e.z};
+        const auto visit = [&](std::uint32_t first, std::uint32_t last)
+        {
+            if (first < last) compare(e, entries + first, entries + last, box, wraps, found);
+        };
+        const auto after = [&](std::uint32_t first, std::uint32_t last)
+        {
+            visit(std::max(first, k + 1), last);
+        };
+        if (own.halves) own.behind(k, x, e.reach + own.largestReach, begin, visit);
+        else own.around(x, e.reach + own.largestReach, begin, after);
+        for (std::size_t l = level + 1; l < grids.levels.size(); ++l)
+        {
+            const Grid& smaller = grids.levels[l];
+            if (smaller.spheres > 0) smaller.around(x, e.reach + smaller.largestReach, begin, visit);
+        }
     }
-}
-
-/// Grids of doubling cell width, or a single one.
-std::vector<Grid> makeGrids(const Spheres& s, const PeriodicBox& box, bool hierarchical,
-                            int layers)
-{
-    double smallest = 1e300, largest = 0;
-    for (std::size_t i = 0; i < s.size; ++i)
-    {
-        smallest = std::min(smallest, s.reach(i));
-        largest = std::max(largest, s.reach(i));
-    }
-    const auto levelOf = [&](double reach)
-    {
-        return hierarchical ? std::min(20, int(std::floor(std::log2(largest/reach) + 1e-9))) : 0;
-    };
-    std::vector<Grid> levels(levelOf(smallest) + 1);
-    for (std::uint32_t i = 0; i < s.size; ++i) levels[levelOf(s.reach(i))].add(s, box, i);
-    levels.erase(std::remove_if(levels.begin(), levels.end(),
-                                [](const Grid& g) { return g.entries.empty(); }), levels.end());
-    for (Grid& grid : levels) grid.build(box, 2*grid.largestReach/layers);
-    return levels;
 }
 
 void gridSearch(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers,
-                unsigned threads, std::vector<Found>& found)
+                SearchGrids& grids)
 {
-    const std::vector<Grid> levels = makeGrids(s, box, hierarchical, layers);
-    found.resize(threads);
-    forEach(threads, threads, [&](std::size_t t)
+    grids.make(s, box, hierarchical, layers);
+    const std::size_t threads = grids.found.size();
+    forEach(unsigned(threads), threads, [&](std::size_t t)
     {
-        for (std::size_t l = 0; l < levels.size(); ++l)
+        for (std::size_t l = 0; l < grids.levels.size(); ++l)
         {
-            const std::size_t n = levels[l].entries.size();
-            for (std::size_t larger = 0; larger <= l; ++larger)
-            {
-                searchRange(levels[l], levels[larger], n*t/threads, n*(t + 1)/threads, box,
-                            found[t]);
-            }
+            const std::size_t first = grids.levelBegin[l], n = grids.levels[l].spheres;
+            searchLevel(grids, l, first + n*t/threads, first + n*(t + 1)/threads, box,
+                        grids.found[t]);
         }
     });
 }
@@ -264,18 +212,21 @@ void gridSearch(const Spheres& s, const PeriodicBox& box, bool hierarchical, int
 /// Pairs in any order to lists by first, ascending.
 void sortPairs(const std::vector<Found>& found, std::size_t n, PairList& list)
 {
-    list.begin.assign(n + 1, 0);
+    // shifted by two: once the pairs are placed, begin[i] is where those of i begin
+    list.begin.assign(n + 2, 0);
+    std::size_t size = 0;
     for (const Found& part : found)
     {
-        for (const Pair& pair : part) ++list.begin[pair.first + 1];
+        for (const Pair& pair : part) ++list.begin[pair.first + 2];
+        size += std::size_t(part.end() - part.begin());
     }
-    for (std::size_t i = 0; i < n; ++i) list.begin[i + 1] += list.begin[i];
-    std::vector<std::uint32_t> next(list.begin.begin(), list.begin.end() - 1);
-    list.second.resize(list.begin[n]);
+    for (std::size_t i = 1; i < n + 2; ++i) list.begin[i] += list.begin[i - 1];
+    list.second.resize(size);
     for (const Found& part : found)
     {
-        for (const Pair& pair : part) list.second[next[pair.first]++] = pair.second;
+        for (const Pair& pair : part) list.second[list.begin[pair.first + 1]++] = pair.second;
     }
+    list.begin.resize(n + 1);
     for (std::size_t i = 0; i < n; ++i)
     {
         std::sort(list.second.begin() + list.begin[i], list.second.begin() + list.begin[i + 1]);
@@ -284,10 +235,16 @@ void sortPairs(const std::vector<Found>& found, std::size_t n, PairList& list)
 
 } // namespace
 
-void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
-               int cellLayers, unsigned threads, PairList& list)
+PairSearch::PairSearch() : grids_(std::make_unique<SearchGrids>()) {}
+
+PairSearch::~PairSearch() = default;
+
+void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                      int cellLayers, unsigned threads, PairList& list)
 {
-    std::vector<Found> found(1);
+    std::vector<Found>& found = grids_->found;
+    for (Found& part : found) part.clear();
+    found.resize(std::max(1u, threads));
     if (method == NeighbourSearch::bruteForce)
     {
         bruteForce(spheres, box, found[0]);
@@ -297,17 +254,17 @@ void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch m
         const bool hierarchical =
             method == NeighbourSearch::hierarchical || method == NeighbourSearch::automatic;
         gridSearch(spheres, box, hierarchical,
-                   method == NeighbourSearch::cells ? cellLayers : 1, threads, found);
+                   method == NeighbourSearch::cells ? cellLayers : 1, *grids_);
     }
     sortPairs(found, spheres.size, list);
 }
 
-void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
-               int cellLayers, std::vector<Pair>& pairs)
+std::vector<Pair> findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                            int cellLayers)
 {
     PairList list;
-    findPairs(spheres, box, method, cellLayers, 1, list);
-    pairs = list.pairs();
+    PairSearch().find(spheres, box, method, cellLayers, 1, list);
+    return list.pairs();
 }
 
 } // namespace elutria::dem

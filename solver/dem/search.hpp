@@ -4,6 +4,7 @@
 #include "Settings.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace elutria::dem
@@ -44,6 +45,8 @@ struct PairList
     std::vector<Pair> pairs() const;
 };
 
+struct SearchGrids;
+
 /// Finds all pairs of neighbours; periodic directions by the shortest image, for which the box must
 /// be at least twice the largest sum of reaches wide.
 ///  bruteForce              every pair is tried
@@ -51,11 +54,22 @@ struct PairList
 ///  verlet                  one grid with cells as wide as the largest reach
 ///  hierarchical, automatic grids of doubling width, each particle in the one of its size
 /// The result does not depend on the method nor on the number of threads.
-void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
-               int cellLayers, unsigned threads, PairList& list);
+/// Keeps its memory for the next search.
+class PairSearch
+{
+public:
+    PairSearch();
+    ~PairSearch();
 
-/// The same as one array of pairs, ascending.
-void findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
-               int cellLayers, std::vector<Pair>& pairs);
+    void find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+              int cellLayers, unsigned threads, PairList& list);
+
+private:
+    std::unique_ptr<SearchGrids> grids_;
+};
+
+/// The same in one array of pairs, ascending.
+std::vector<Pair> findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                            int cellLayers = 1);
 
 } // namespace elutria::dem

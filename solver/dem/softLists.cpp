@@ -178,8 +178,9 @@ void SoftIntegrator::findNeighbours()
     const Row* rows = cloud_.rows.data();
     const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
                           sizeof(Row)/sizeof(double)};
-    findPairs(spheres, cloud_.box, settings_.search, settings_.cellLayers, settings_.threads,
-              list_);
+    // not kept: most of the time its memory would lie idle
+    PairSearch().find(spheres, cloud_.box, settings_.search, settings_.cellLayers,
+                      settings_.threads, list_);
     density_ = std::max(0.2, double(list_.size())/double(cloud_.size())
                              /(1 + 2*widest/cloud_.mean));
 }

@@ -107,20 +107,27 @@ int runNeighbours(const Options& o)
         method == NeighbourSearch::verlet || method == NeighbourSearch::hierarchical;
     const double before = residentBytes();
     Scene scene(flat, n, o.number("ratio", 1));
+    PairSearch finder;
     PairList list;
-    double way = 1e300, spent = 0, used = 0;
+    double way = 0, spent = 0, used = 0;
     std::size_t steps = 0, searches = 0;
-    while (asked > 0 ? steps < asked : (spent < enough || steps < (lists ? 20u : 2u)))
+    const auto search = [&]
+    {
+        const Spheres spheres{n, scene.x.data(), scene.y.data(), scene.z.data(),
+                              scene.radius.data(), lists ? skin : 0};
+        finder.find(spheres, scene.box, method, layers, 1, list);
+        way = 0;
+    };
+    search();
+    // ends after a search, so that each counts with all the steps it serves
+    while (asked > 0 ? steps < asked : spent < enough || steps < 2 || way > 0)
     {
         const double start = seconds(), startProcessor = processorSeconds();
         scene.move(most);
         way += most*std::sqrt(flat ? 2 : 3);
         if (!lists || 2*way >= skin)
         {
-            const Spheres spheres{n, scene.x.data(), scene.y.data(), scene.z.data(),
-                                  scene.radius.data(), lists ? skin : 0};
-            findPairs(spheres, scene.box, method, layers, 1, list);
-            way = 0;
+            search();
             ++searches;
         }
         spent += seconds() - start;

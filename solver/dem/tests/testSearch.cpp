@@ -46,6 +46,7 @@ TEST_SUITE("search")
     {
         PeriodicBox open, box{{0, 0, 0}, {1, 1, 1}, {true, true, false}},
             all{{0, 0, 0}, {1, 1, 1}, {true, true, true}};
+        PairSearch kept;
         for (double ratio : {1.0, 3.0, 20.0, 200.0})
         {
             for (std::size_t n : {2u, 17u, 700u})
@@ -55,12 +56,12 @@ TEST_SUITE("search")
                 {
                     for (const PeriodicBox& b : {open, box, all})
                     {
-                        std::vector<Pair> expected, found;
                         const Spheres spheres = cloud.spheres(0.02*round);
-                        findPairs(spheres, b, NeighbourSearch::bruteForce, 1, expected);
+                        const std::vector<Pair> expected =
+                            findPairs(spheres, b, NeighbourSearch::bruteForce);
                         const auto agrees = [&](NeighbourSearch method, int layers)
                         {
-                            findPairs(spheres, b, method, layers, found);
+                            const std::vector<Pair> found = findPairs(spheres, b, method, layers);
                             CAPTURE(n);
                             CAPTURE(ratio);
                             CAPTURE(int(method));
@@ -71,7 +72,7 @@ TEST_SUITE("search")
                         agrees(NeighbourSearch::verlet, 1);
                         agrees(NeighbourSearch::hierarchical, 1);
                         PairList list;
-                        findPairs(spheres, b, NeighbourSearch::hierarchical, 1, 3, list);
+                        kept.find(spheres, b, NeighbourSearch::hierarchical, 1, 3, list);
                         CHECK(list.pairs() == expected);
                     }
                     cloud.move(0.3);
@@ -95,12 +96,11 @@ TEST_SUITE("search")
             for (double skin : {0.0, 1e-3})
             {
                 const Spheres s{n, x.data(), y.data(), z.data(), radius.data(), skin, 1};
-                std::vector<Pair> expected, found;
-                findPairs(s, {}, NeighbourSearch::bruteForce, 1, expected);
+                const std::vector<Pair> expected =
+                    findPairs(s, {}, NeighbourSearch::bruteForce);
                 for (NeighbourSearch method : {NeighbourSearch::cells, NeighbourSearch::hierarchical})
                 {
-                    findPairs(s, {}, method, 2, found);
-                    CHECK(found == expected);
+                    CHECK(findPairs(s, {}, method, 2) == expected);
                 }
             }
         }

@@ -113,8 +113,47 @@ def run(options: Options) -> None:
             COLUMNS,
             rows,
             figure(rows),
-            {"repeats": options.repeats, "two_threads": two_threads(options)},
+            {
+                "repeats": options.repeats,
+                "two_threads": two_threads(options),
+                "many": many(options),
+            },
         )
+
+
+def crowded_box(particles: int, steps: int, threads: int) -> dict[str, Any]:
+    """The last `steps` of twice as many in the box in which the spheres lie close."""
+    output = run_program(
+        [
+            built("elutriaDemBench"),
+            "box",
+            f"particles={particles}",
+            f"width={box_width(particles)}",
+            f"height={CROWDED_HEIGHT}",
+            f"steps={2 * steps}",
+            f"report={steps}",
+            f"threads={threads}",
+        ]
+    )
+    return dict(json.loads(output.splitlines()[-1]))
+
+
+def many(options: Options) -> dict[str, Any]:
+    """Memory and time of a million spheres in the crowded box."""
+    particles, steps = (100_000, 200) if options.quick else (1_000_000, 750)
+    run = crowded_box(particles, steps, 1)
+    found = {
+        "particles": particles,
+        "coordination": run["coordination"],
+        "us_per_particle_step": run["cpu_us_per_particle_step"],
+        "engine_bytes_per_particle": run["engine_bytes_per_particle"],
+        "process_bytes_per_particle": run["process_bytes_per_particle"],
+    }
+    options.say(
+        f"{particles} particles: {found['engine_bytes_per_particle']:.0f} bytes per particle in "
+        f"the engine, {found['process_bytes_per_particle']:.0f} with the caller's own arrays"
+    )
+    return found
 
 
 def two_threads(options: Options) -> dict[str, Any]:
@@ -127,19 +166,7 @@ def two_threads(options: Options) -> dict[str, Any]:
     runs: dict[int, list[dict[str, Any]]] = {1: [], 2: []}
     for _ in range(options.repeats):
         for threads, results in runs.items():
-            output = run_program(
-                [
-                    built("elutriaDemBench"),
-                    "box",
-                    f"particles={particles}",
-                    f"width={box_width(particles)}",
-                    f"height={CROWDED_HEIGHT}",
-                    f"steps={2 * steps}",
-                    f"report={steps}",
-                    f"threads={threads}",
-                ]
-            )
-            results.append(json.loads(output.splitlines()[-1]))
+            results.append(crowded_box(particles, steps, threads))
     wall = {n: median(r["wall_s"] for r in results) for n, results in runs.items()}
     processor = {n: median(r["cpu_s"] for r in results) for n, results in runs.items()}
     state = ("kinetic_energy_J", "mean_height_m", "coordination")
