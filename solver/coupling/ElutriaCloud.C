@@ -103,6 +103,7 @@ void ElutriaCloud::sampleGas(trackingData& td, const scalar dt)
         vectors->resize(n);
     }
     effectiveMass_.resize(n);
+    starts_.resize(n);
 
     size_t i = 0;
     for (parcelType& p : *this)
@@ -176,7 +177,8 @@ void ElutriaCloud::sampleGas
     all.mass[i] = mass;
     all.number[i] = p.nParticle();
     all.dragRate[i] = rate;
-    all.position.set(i, toEngine(p.position()));
+    starts_[i] = p.position();
+    all.position.set(i, toEngine(starts_[i]));
     all.velocity.set(i, toEngine(startVelocity));
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
@@ -264,6 +266,47 @@ void ElutriaCloud::advanceParticles(const scalar dt)
 }
 
 
+IOobject ElutriaCloud::wakeHeader() const
+{
+    return IOobject
+    (
+        "gasWake", time().timeName(), "uniform", mesh(),
+        IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false
+    );
+}
+
+
+ElutriaCloud::Wake ElutriaCloud::readWake() const
+{
+    const IOdictionary dict(wakeHeader());
+    return
+    {
+        dict.getOrDefault<scalar>("time", 0),
+        dict.getOrDefault<scalar>("window", 0)
+    };
+}
+
+
+void ElutriaCloud::writeWake()
+{
+    IOdictionary dict(wakeHeader());
+    dict.set("time", wake_.time);
+    dict.set("window", wake_.window);
+    dict.regIOobject::write();
+
+    // Go on with what a restart reads
+    std::ostringstream digits;
+    digits.precision(IOstream::defaultPrecision());
+    const auto asWritten = [&digits](const scalar value)
+    {
+        digits.str("");
+        digits << value;
+        return std::stod(digits.str());
+    };
+    wake_ = {asWritten(wake_.time), asWritten(wake_.window)};
+}
+
+
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 ElutriaCloud::ElutriaCloud
@@ -286,11 +329,12 @@ ElutriaCloud::ElutriaCloud
     arrived_(mesh().nCells(), Zero),
     injectedFrom_(0),
     window_(0),
+    windowStart_(time().timeIndex()),
     retakes_(0),
     volumeShares_(mesh()),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     ownWake_(particleProperties().subOrEmptyDict("ownWake")),
-    wakeInGas_(false),
+    wake_(readWake()),
     theta_
     (
         IOobject
@@ -305,6 +349,7 @@ ElutriaCloud::ElutriaCloud
         dimensionedScalar(dimless, Zero),
         zeroGradientFvPatchScalarField::typeName
     ),
+    thetaTime_(-1),
     excessVolume_(0)
 {
     findModels();
@@ -426,6 +471,7 @@ bool ElutriaCloud::softOnly() const
 
 void ElutriaCloud::writeState()
 {
+    writeWake();
     if (recorder_)
     {
         recorder_->writeFiles();

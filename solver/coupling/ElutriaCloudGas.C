@@ -57,8 +57,7 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar dt
 )
 {
-    const bool solvedLastStep = wakeInGas_ && window_ < 1.5*dt;
-    if (!ownWake_.corrects() || !solvedLastStep)
+    if (!ownWake_.corrects() || wake_.window <= 0)
     {
         return;
     }
@@ -67,6 +66,14 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar cellSize = cbrt(cellVolume);
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
     const scalar width = OwnWake::width(kernel, cellSize);
+    const scalar stillIn = OwnWake::stillIn
+    (
+        mag(p.U()), time().value() - dt - wake_.time, wake_.window - dt, width
+    );
+    if (stillIn < 1e-3)
+    {
+        return;
+    }
 
     const scalar volume = p.nParticle()*p.volume();
     const scalar spacing = OwnWake::spacing
@@ -84,7 +91,7 @@ void ElutriaCloud::seeUndisturbedGas
         (
             p, td, dt, p.mass(), p.Re(td), td.muc()
         ).Sp();
-        const scalar better = OwnWake::share
+        const scalar better = stillIn*OwnWake::share
         (
             p.nParticle()*dragRate, mag(td.Uc() - p.U()), width, spacing,
             td.muc(), td.muc()/td.rhoc()
@@ -97,6 +104,27 @@ void ElutriaCloud::seeUndisturbedGas
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+vectorField ElutriaCloud::forceOnGas() const
+{
+    if (!solution().coupled() || window_ <= 0)
+    {
+        return vectorField(mesh().nCells(), Zero);
+    }
+    return (stockMotion_ ? UTrans().field() : impulse_)/window_;
+}
+
+
+scalarField ElutriaCloud::solidVolume() const
+{
+    scalarField volume(mesh().nCells(), Zero);
+    for (const parcelType& p : *this)
+    {
+        volume[p.cell()] += p.nParticle()*p.volume();
+    }
+    return volume;
+}
+
 
 ElutriaCloud::GasExchange ElutriaCloud::exchange() const
 {
@@ -120,26 +148,21 @@ ElutriaCloud::GasExchange ElutriaCloud::exchange() const
         return gas;
     }
 
-    vectorField& force = gas.force.primitiveFieldRef();
     scalarField& coefficient = gas.coefficient.primitiveFieldRef();
     if (stockMotion_)
     {
-        force = UTrans().field();
         coefficient = UCoeff().field();
     }
     else
     {
-        force = impulse_;
         label k = 0;
         for (const parcelType& p : *this)
         {
             coefficient[p.cell()] += p.nParticle()*p.mass()*response(k++);
         }
     }
-
-    const scalarField Vw(mesh().V()*window_);
-    force /= Vw;
-    coefficient /= Vw;
+    coefficient /= mesh().V()*window_;
+    gas.force.primitiveFieldRef() = forceOnGas()/mesh().V();
     kernel_.spread(gas.force);
     kernel_.spread(gas.coefficient);
     gas.force.correctBoundaryConditions();
@@ -167,18 +190,20 @@ void ElutriaCloud::correct(const volVectorField& change)
             p.U() += response(k++)*seen[p.cell()];
         }
     }
-    const bool singleStep = window_ < 1.5*solution().trackTime();
+    if (solution().coupled())
+    {
+        wake_ = {time().value(), window_};
+    }
     drop();
-    wakeInGas_ = singleStep && solution().coupled();
 }
 
 
 void ElutriaCloud::drop()
 {
-    wakeInGas_ = false;
     impulse_ = Zero;
     arrived_ = Zero;
     window_ = 0;
+    windowStart_ = time().timeIndex();
 }
 
 
@@ -188,6 +213,7 @@ const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
     scalar largest = 0;
 
     theta = 0;
+    thetaTime_ = time().timeIndex();
     for (const parcelType& p : *this)
     {
         volumeShares_.add

@@ -21,25 +21,22 @@ namespace Foam
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-List<ElutriaCloud::Flight> ElutriaCloud::flights
-(
-    const List<vector>& starts,
-    const scalar dt
-)
+List<ElutriaCloud::Flight> ElutriaCloud::flights(const scalar dt)
 {
     const elutria::dem::Particles& all = particles_;
     const elutria::dem::PeriodicBox box =
         contacts_ ? contacts_->engine().settings().box
       : elutria::dem::PeriodicBox();
 
-    List<Flight> flights(starts.size());
+    List<Flight> flights(starts_.size());
     size_t i = 0;
     for (parcelType& p : *this)
     {
         Flight& f = flights[i];
+        f.from = starts_[i];
         f.displacement = toFoam
         (
-            box.shortest(all.position[i] - toEngine(starts[i]))
+            box.shortest(all.position[i] - toEngine(f.from))
         );
         f.start = p.U();
         f.end = toFoam(all.velocity[i]);
@@ -156,8 +153,8 @@ void ElutriaCloud::trackParcel
      && p.active()
     )
     {
-        const point from(p.position());
         const scalar before = p.stepFraction();
+        const point from(before > 0 ? p.position() : flight.from);
         const scalar f = 1 - before;
 
         p.trackToFace
@@ -204,14 +201,11 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
 {
     // Parcels still to be tracked, with their flights: first all of the
     // cloud's, then those that arrive from other processors
-    List<vector> starts(this->size());
-    label k = 0;
     for (parcelType& p : *this)
     {
-        starts[k++] = p.position();
         p.stepFraction() = 0;
     }
-    List<Flight> flightOf(flights(starts, dt));
+    List<Flight> flightOf(flights(dt));
     IDLList<parcelType> moving;
     moving.transfer(*this);
 
@@ -220,7 +214,7 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
 
     do
     {
-        k = 0;
+        label k = 0;
         for (parcelType& p : moving)
         {
             Flight& flight = flightOf[k++];

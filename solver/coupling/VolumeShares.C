@@ -20,15 +20,16 @@ scalar VolumeShares::part
     const scalar b
 ) const
 {
+    const scalar perHalfSide = 0.5/b;
     scalar inside = 1;
     for (const label facei : mesh_.cells()[celli])
     {
-        const vector& area = mesh_.faceAreas()[facei];
+        const Face& face = faces_[facei];
         const scalar outwards = mesh_.faceOwner()[facei] == celli ? 1 : -1;
-        const scalar distance =
-            outwards*((mesh_.faceCentres()[facei] - centre) & area)/mag(area);
+        const scalar distance = outwards*(face.offset - (centre & face.normal));
 
-        inside *= min(max(0.5 + 0.5*distance/b, scalar(0)), scalar(1));
+        inside *=
+            min(max(0.5 + perHalfSide*distance, scalar(0)), scalar(1));
         if (inside <= 0)
         {
             break;
@@ -59,8 +60,15 @@ void VolumeShares::findAround(const label celli)
 VolumeShares::VolumeShares(const fvMesh& mesh)
 :
     mesh_(mesh),
+    faces_(mesh.nFaces()),
     reach_(mesh.nCells(), GREAT)
 {
+    forAll(faces_, facei)
+    {
+        const vector& area = mesh.faceAreas()[facei];
+        const vector normal(area/mag(area));
+        faces_[facei] = {normal, normal & mesh.faceCentres()[facei]};
+    }
     forAll(mesh.cells(), celli)
     {
         scalar area = 0;

@@ -7,7 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from elutria.bench.common import project_root
 from elutria.bench.stability_scenes import column
+from elutria.case import Case
+from elutria.events import read_run
+from elutria.fit import fit_events
+from elutria.run import run_case
 from elutria.verification.classification import loaded
 from elutria.verification.scene import read_gas, times
 
@@ -30,3 +35,47 @@ def test_gas_at_rest_leaves_the_products_as_they_are(tmp_path: Path) -> None:
     shares = [float(np.mean(e.select(e.has_left).is_coarse)) for e in (every, plan)]
     chance = 1.96 * (0.5 / 600) ** 0.5  # both products are about equal
     assert shares[0] == pytest.approx(shares[1], abs=chance)
+
+
+PARAMETERS = "system/simulationParameters"
+
+
+def default_column(
+    folder: Path, velocity: float, *settings: str, neighbour: Path | None = None
+) -> Case:
+    """The default column, run with settings."""
+    case = Case(project_root() / "cases/column")
+    return run_case(case, folder, case.settings_for(velocity, settings), neighbour=neighbour)
+
+
+def test_gas_that_starts_from_its_neighbours_settles_sooner_to_the_same(tmp_path: Path) -> None:
+    """As a sweep starts them; a few grains for a moment, the gas is what counts."""
+    brief = [f"{PARAMETERS}:{text}" for text in ("particles=5", "feedTime=0.01", "drainTime=0.01")]
+    neighbour = default_column(tmp_path / "neighbour", 5, *brief).path
+    alone = default_column(tmp_path / "alone", 6, *brief).path
+    helped = default_column(tmp_path / "helped", 6, *brief, neighbour=neighbour).path
+    gas = [read_gas(case, times(case)[-1]) for case in (alone, helped)]
+    assert np.sqrt(((gas[1] - gas[0]) ** 2).sum(axis=1).mean()) < 0.01 * 6
+    steps = [settling_steps(case) for case in (alone, helped)]
+    assert steps[1] < 0.6 * steps[0]
+
+
+def settling_steps(case: Path) -> int:
+    """Steps in which the empty column's gas settled."""
+    lines = (case / "log.elutriaFoam").read_text().splitlines()
+    return int(next(line for line in lines if "gas settled in" in line).split()[4])
+
+
+@pytest.mark.slow
+def test_heavy_parcels_see_the_undisturbed_gas_also_where_it_rests(tmp_path: Path) -> None:
+    """Parcels of up to hundreds of grains: their own wake would take the cut down by percents."""
+    heavy = [f"{PARAMETERS}:{text}" for text in ("loading=1.5", "particles=3000", "drainTime=1")]
+    fits = [
+        fit_events(
+            read_run(
+                default_column(tmp_path / gas, 6, *heavy, f"system/scenePlan:gas={gas}").path
+            ).events
+        )
+        for gas in ("on", "auto")
+    ]
+    assert fits[1].d50 == pytest.approx(fits[0].d50, rel=0.015)

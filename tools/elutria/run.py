@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from elutria.solver import Step
 
 SOLVER = "elutriaFoam"
+SETTLED_GAS = "constant/settledGas"
 MARKER = "elutria.json"
 FINISHED = "finished.json"
 
@@ -70,10 +71,12 @@ def run_case(
     settings: Iterable[Setting],
     np: int = 1,
     on_step: Callable[[float, Step], None] = lambda *_: None,
+    neighbour: Path | None = None,
 ) -> Case:
     """Run `case` with `settings` in `folder`; a whole run of the same inputs is not run again.
 
-    `on_step` gets the share done (0..1) and the solver's numbers. Raises InputError before anything
+    `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
+    run in the folder `neighbour`, where that has settled. Raises InputError before anything
     is run, ElutriaError with the solver's reason when it fails.
     """
     settings = list(settings)
@@ -88,6 +91,8 @@ def run_case(
         write_json(folder / MARKER, {"case": case.name, "inputs": fingerprint})
         velocity, feed = copy.velocity(), copy.feed()
         make_mesh(copy)
+        if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
+            shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
         latest = copy.dictionary("system/controlDict").number("endTime", 0.0)
         solve(folder, np, Goal(feed.particles, latest), on_step)
         read_run(folder)  # whole, or not finished
@@ -170,7 +175,7 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
     """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason."""
     from elutria.solver import follow
 
-    command = [SOLVER]
+    command = [SOLVER, "-keepSettled"]
     if np > 1:
         write_decomposition(Case(folder), np)
         _program(["decomposePar", "-force"], folder, "log.decomposePar")

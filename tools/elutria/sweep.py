@@ -4,6 +4,8 @@ RESULTS/U<velocity> is the first run of a velocity, RESULTS/U<velocity>-<r> repl
 seed. Each is a process of its own, so that one that fails or is killed leaves the others alone.
 With a precision asked, a velocity gets replicates until its cut size is known so well; which
 runs there are depends on results alone, so that a sweep that is started again makes the same ones.
+The gas of a run starts from that of a run at a velocity nearby, always the same one, as it has
+settled there.
 """
 
 from __future__ import annotations
@@ -34,12 +36,16 @@ from elutria.theory import write_theory
 
 @dataclass(frozen=True)
 class Member:
-    """One run of a sweep: its velocity (m/s), folder and settings."""
+    """One run of a sweep: its velocity (m/s), folder and settings.
+
+    `neighbour` is the folder of the run whose settled gas it starts from.
+    """
 
     velocity: float
     replicate: int
     folder: Path
     settings: tuple[Setting, ...]
+    neighbour: Path | None = None
 
     @property
     def name(self) -> str:
@@ -99,9 +105,12 @@ def plan(
         raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
     extra = list(extra)
     members = []
-    for velocity in velocities:
+    folders = [folder / f"U{velocity:.12g}" for velocity in velocities]
+    for k, velocity in enumerate(velocities):
         settings = tuple(case.settings_for(velocity, extra))
-        first = Member(velocity, 1, folder / f"U{velocity:.12g}", settings)
+        # two back: it is under way when this one's turn comes, also with two at a time
+        neighbour = folders[k - 2] if k >= 2 else None
+        first = Member(velocity, 1, folders[k], settings, neighbour)
         members += [first, *(_replicate(case, first, r) for r in range(2, replicates + 1))]
     case.check_settings(members[0].settings)
     return members
@@ -116,6 +125,7 @@ def _replicate(case: Case, first: Member, number: int) -> Member:
         number,
         first.folder.with_name(f"{first.folder.name}-{number}"),
         (*first.settings, Setting.parse(f"{SEED}={seed}")),
+        first.folder,
     )
 
 
@@ -223,6 +233,7 @@ class _Pool:
         self.watcher = watcher
         self.executor = ThreadPoolExecutor(max_workers=jobs)
         self.processes: set[subprocess.Popen[str]] = set()
+        self.gas_is_there: dict[Path, threading.Event] = {}
         self.lock = threading.Lock()
         self.stopping = False
 
@@ -241,6 +252,7 @@ class _Pool:
         pending: dict[Future[None], Member] = {}
 
         def start(members: list[Member]) -> None:
+            self.gas_is_there.update({member.folder: threading.Event() for member in members})
             pending.update({self.executor.submit(self._one, member): member for member in members})
             self.watcher.planned(len(course.members))
 
@@ -260,10 +272,18 @@ class _Pool:
                 start(course.ended(member, failure))
 
     def _one(self, member: Member) -> None:
+        try:
+            self._run(member)
+        finally:
+            self.gas_is_there[member.folder].set()
+
+    def _run(self, member: Member) -> None:
+        if member.neighbour in self.gas_is_there:
+            self.gas_is_there[member.neighbour].wait()
         settings = [f"{s.file}:{s.entry}={s.value}" for s in member.settings]
         command = [
             sys.executable, "-m", "elutria.worker", str(self.case.path), str(member.folder),
-            str(self.np), *settings,
+            str(self.np), str(member.neighbour or ""), *settings,
         ]  # fmt: skip
         if shutil.which("setpriv"):  # nothing goes on when the sweep is killed
             command = ["setpriv", "--pdeathsig", "TERM", *command]
@@ -281,7 +301,12 @@ class _Pool:
                 env=environment,
             )
             self.processes.add(process)
-        _follow(process, lambda share, note: self.watcher.progress(member.name, share, note))
+
+        def progress(share: float, note: str) -> None:
+            self.gas_is_there[member.folder].set()
+            self.watcher.progress(member.name, share, note)
+
+        _follow(process, progress)
         message = process.stderr.read() if process.stderr else ""
         code = process.wait()
         with self.lock:

@@ -1,7 +1,8 @@
 """One run of a sweep in a process of its own.
 
-`python -m elutria.worker CASE FOLDER NP SETTING...` prints `progress SHARE NOTE` lines; on failure
-one line on the error output and the exit code 1 or 2.
+`python -m elutria.worker CASE FOLDER NP NEIGHBOUR SETTING...` prints `progress SHARE NOTE` lines;
+on failure one line on the error output and the exit code 1 or 2. NEIGHBOUR is the folder of the run
+whose settled gas this one starts from, or empty.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 def main(arguments: list[str]) -> int:
     """Run the case; the exit code is the error's, 0 without one."""
-    case, folder, np, *settings = arguments
+    case, folder, np, neighbour, *settings = arguments
     last = 0.0
 
     def on_step(share: float, step: Step) -> None:
@@ -32,7 +33,14 @@ def main(arguments: list[str]) -> int:
 
     try:
         chosen = [Setting.parse(text) for text in settings]
-        run_case(Case(Path(case)), Path(folder).resolve(), chosen, int(np), on_step)
+        run_case(
+            Case(Path(case)),
+            Path(folder).resolve(),
+            chosen,
+            int(np),
+            on_step,
+            Path(neighbour).resolve() if neighbour else None,
+        )
     except ElutriaError as error:
         print(error, file=sys.stderr)
         return error.exit_code

@@ -344,6 +344,12 @@ void GasPhase::setSolidFraction(const volScalarField& solid)
 }
 
 
+void GasPhase::forgetVolumeChange()
+{
+    alpha_.oldTime() == alpha_;
+}
+
+
 void GasPhase::setArrived(const volScalarField& solid)
 {
     volScalarField& before = alpha_.oldTime();

@@ -75,16 +75,20 @@ void ScenePlan::readState()
     (
         stateHeader(mesh, "gasForce", IOobject::READ_IF_PRESENT)
     );
-    if (force.size() == lastForce_.size())
+    const IOField<scalar> volume
+    (
+        stateHeader(mesh, "gasSolids", IOobject::READ_IF_PRESENT)
+    );
+    const label blocks = lastLoad_.force.size();
+    if (force.size() == blocks && volume.size() == blocks)
     {
-        lastForce_ = force;
+        lastLoad_ = {force, volume};
         interval_ = IOdictionary
         (
             stateHeader(mesh, "gasSolves", IOobject::MUST_READ)
         ).get<label>("interval");
     }
 }
-
 
 
 ScenePlan::choice ScenePlan::readChoice
@@ -141,20 +145,37 @@ void ScenePlan::makeBlocks()
         blockOf_[celli] =
             place.x() + counts.x()*(place.y() + counts.y()*place.z());
     }
-    lastForce_ = vectorField(counts.x()*counts.y()*counts.z(), Zero);
+    const label blocks = counts.x()*counts.y()*counts.z();
+    lastLoad_ = {vectorField(blocks, Zero), scalarField(blocks, Zero)};
+    load_ = lastLoad_;
 }
 
 
-vectorField ScenePlan::blockSums(const volVectorField& force) const
+template<class Type>
+Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
 {
-    vectorField sums(lastForce_.size(), Zero);
+    Field<Type> sums(lastLoad_.force.size(), Zero);
     forAll(blockOf_, celli)
     {
-        sums[blockOf_[celli]] += force[celli]*force.mesh().V()[celli];
+        sums[blockOf_[celli]] += ofCells[celli];
     }
-    Pstream::listCombineGather(sums, plusEqOp<vector>());
+    Pstream::listCombineGather(sums, plusEqOp<Type>());
     Pstream::listCombineScatter(sums);
     return sums;
+}
+
+
+scalar ScenePlan::loadChange() const
+{
+    const scalar force = sum(mag(load_.force - lastLoad_.force));
+    const scalar volume = sum(mag(load_.volume - lastLoad_.volume));
+    return
+        max
+        (
+            force*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed()),
+            volume
+        )
+       /gSum(gas_.U().mesh().V());
 }
 
 
@@ -210,17 +231,15 @@ bool ScenePlan::gasDue(const Time& runTime, const scalar window)
 }
 
 
-bool ScenePlan::gasNeeded(const volVectorField& force)
+bool ScenePlan::gasNeeded(const ElutriaCloud& cloud)
 {
     if (gasChoice_ == choice::on)
     {
         return true;
     }
 
-    const scalar moved =
-        sum(mag(blockSums(force) - lastForce_))/gSum(gas_.U().mesh().V());
-    const scalar spared =
-        moved*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed());
+    load_ = {blockSums(cloud.forceOnGas()), blockSums(cloud.solidVolume())};
+    const scalar spared = loadChange();
 
     since_ = 0;
     if (spared < tolerance_ && gas_.boundaryChange() < tolerance_)
@@ -233,11 +252,11 @@ bool ScenePlan::gasNeeded(const volVectorField& force)
 }
 
 
-void ScenePlan::gasSolved(const volVectorField& force, const scalar change)
+void ScenePlan::gasSolved(const scalar change)
 {
     ++solves_;
     since_ = 0;
-    lastForce_ = blockSums(force);
+    lastLoad_ = load_;
 
     if (change < 0.5*tolerance_)
     {
@@ -265,7 +284,11 @@ void ScenePlan::write() const
     const fvMesh& mesh = gas_.U().mesh();
     IOField<vector>
     (
-        stateHeader(mesh, "gasForce", IOobject::NO_READ), lastForce_
+        stateHeader(mesh, "gasForce", IOobject::NO_READ), lastLoad_.force
+    ).write();
+    IOField<scalar>
+    (
+        stateHeader(mesh, "gasSolids", IOobject::NO_READ), lastLoad_.volume
     ).write();
     IOdictionary solves(stateHeader(mesh, "gasSolves", IOobject::NO_READ));
     solves.add("interval", interval_);

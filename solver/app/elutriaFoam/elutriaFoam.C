@@ -114,28 +114,45 @@ void moveParticles(Time& runTime, ElutriaCloud& cloud)
 }
 
 
-//- Bring the gas up to the particles' time, where it needs to be solved
-void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
-    ScenePlan& plan, const scalar largestSolidFraction)
+//- The void fraction that the particles leave the gas
+void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
 {
-    gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+    const scalar largest =
+        cloud.particleProperties().subDict("constantProperties")
+       .get<scalar>("alphaMax");
+
+    gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
         Info<< "    Warning: " << cloud.excessVolume()
             << " m3 of solids are above the largest solid fraction "
-            << largestSolidFraction << " and not seen by the gas" << endl;
+            << largest << " and not seen by the gas" << endl;
     }
+}
 
-    const ElutriaCloud::GasExchange exchange(cloud.exchange());
-    const bool needed = plan.gasNeeded(exchange.force);
-    plan.account(ScenePlan::partExchange);
-    if (!needed)
+
+//- Bring the gas up to the particles' time
+void solveGas
+(
+    Time& runTime,
+    GasPhase& gas,
+    ElutriaCloud& cloud,
+    ScenePlan& plan
+)
+{
+    const bool continued = cloud.solidFractionIsOfWindow();
+    setSolidFraction(gas, cloud);
+    if (continued)
     {
-        cloud.drop();
-        return;
+        gas.setArrived(cloud.arrivedFraction());
     }
+    else
+    {
+        gas.forgetVolumeChange();
+    }
+    const ElutriaCloud::GasExchange exchange(cloud.exchange());
+    plan.account(ScenePlan::partExchange);
 
-    gas.setArrived(cloud.arrivedFraction());
     gas.correctTransport();
     try
     {
@@ -147,7 +164,7 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
             )
         );
         cloud.correct(change);
-        plan.gasSolved(exchange.force, gas.relative(change));
+        plan.gasSolved(gas.relative(change));
     }
     catch (const UnsoundStep&)
     {
@@ -156,6 +173,29 @@ void settleGas(Time& runTime, GasPhase& gas, ElutriaCloud& cloud,
         throw;
     }
     plan.account(ScenePlan::partGas);
+}
+
+
+//- Solve the gas, or leave it at rest
+void settleGas
+(
+    Time& runTime,
+    GasPhase& gas,
+    ElutriaCloud& cloud,
+    ScenePlan& plan
+)
+{
+    if (plan.gasNeeded(cloud))
+    {
+        solveGas(runTime, gas, cloud, plan);
+        return;
+    }
+    if (runTime.writeTime())
+    {
+        setSolidFraction(gas, cloud);
+    }
+    cloud.drop();
+    plan.account(ScenePlan::partExchange);
 }
 
 
@@ -179,22 +219,23 @@ void run(const argList& args)
         args.opt<word>("cloud", "kinematicCloud"),
         gas.rho(), gas.U(), gas.mu(), g
     );
-    const scalar largestSolidFraction =
-        cloud.particleProperties().subDict("constantProperties")
-       .get<scalar>("alphaMax");
-
-    gas.setSolidFraction(cloud.solidFraction(largestSolidFraction));
+    setSolidFraction(gas, cloud);
     gas.startTurbulence();
 
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
     if (plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0)
     {
+        gas.startFromSettled();
         gas.converge
         (
             cloud.exchange(), plan.courant(), 0.1*plan.tolerance(),
             plan.retakes()
         );
+        if (args.found("keepSettled"))
+        {
+            gas.writeSettled();
+        }
     }
 
     plan.announce(cloud, runTime);
@@ -227,7 +268,7 @@ void run(const argList& args)
         gas.followBoundaries();
         if (plan.gasDue(runTime, cloud.window()))
         {
-            settleGas(runTime, gas, cloud, plan, largestSolidFraction);
+            settleGas(runTime, gas, cloud, plan);
         }
 
         const ElutriaCloud::Count count = cloud.count();
@@ -264,6 +305,13 @@ int main(int argc, char *argv[])
         "cloud",
         "name",
         "name of the cloud (default: kinematicCloud)"
+    );
+
+    argList::addBoolOption
+    (
+        "keepSettled",
+        "leave the empty column's settled gas in constant/settledGas: a run"
+        " that finds it there, of this mesh at any velocity, starts from it"
     );
 
     #include "addCheckCaseOptions.H"

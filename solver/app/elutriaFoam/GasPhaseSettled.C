@@ -1,0 +1,142 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    GasPhase's start from a flow that has settled at another velocity.
+
+\*---------------------------------------------------------------------------*/
+
+#include "GasPhase.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+const char* const settledFolder = "settledGas";
+
+
+IOobject settledHeader(const regIOobject& field, const fvMesh& mesh)
+{
+    return IOobject
+    (
+        field.name(), mesh.time().constant(), settledFolder, mesh,
+        IOobject::MUST_READ, IOobject::NO_WRITE, false
+    );
+}
+
+
+scalar inflow(const surfaceScalarField& phi)
+{
+    scalar sum = 0;
+    forAll(phi.boundaryField(), patchi)
+    {
+        if (!phi.mesh().boundary()[patchi].coupled())
+        {
+            sum -= Foam::sum(min(phi.boundaryField()[patchi], scalar(0)));
+        }
+    }
+    return returnReduce(sum, sumOp<scalar>());
+}
+
+
+void take(surfaceScalarField& field, const surfaceScalarField& other)
+{
+    field == other;
+}
+
+
+template<class Type>
+void take
+(
+    GeometricField<Type, fvPatchField, volMesh>& field,
+    const GeometricField<Type, fvPatchField, volMesh>& other
+)
+{
+    field.primitiveFieldRef() = other.primitiveField();
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+template<class Visit>
+void GasPhase::visitFlow(const Visit& visit)
+{
+    visit(U_);
+    visit(p_);
+    visit(phi_);
+    for (const char* const name : {"k", "epsilon", "omega", "nuTilda", "nut"})
+    {
+        const word field(IOobject::groupName(name, U_.group()));
+        if (mesh_.foundObject<volScalarField>(field))
+        {
+            visit(mesh_.lookupObjectRef<volScalarField>(field));
+        }
+    }
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void GasPhase::startFromSettled()
+{
+    IOobject header(settledHeader(phi_, mesh_));
+    if (!header.typeHeaderOk<surfaceScalarField>(true))
+    {
+        return;
+    }
+    const scalar before = inflow(surfaceScalarField(header, mesh_));
+    const scalar ratio = inflow(phi_)/max(before, VSMALL);
+    if (!(ratio > 1e-3 && ratio < 1e3))
+    {
+        return;
+    }
+
+    // The same flow in a time that runs faster by the ratio
+    visitFlow([&](auto& field)
+    {
+        typedef typename std::remove_reference<decltype(field)>::type fieldType;
+        const fieldType settled(settledHeader(field, mesh_), mesh_);
+        // most of the pressure is the gas's weight
+        const scalar power =
+            field.name() == p_.name() ? 0
+          : -settled.dimensions()[dimensionSet::TIME];
+        const fieldType scaled(std::pow(ratio, power)*settled);
+        take(field, scaled);
+    });
+    U_.correctBoundaryConditions();
+    for (const char* const name : {"k", "nuTilda", "nut"})
+    {
+        const word field(IOobject::groupName(name, U_.group()));
+        if (mesh_.foundObject<volScalarField>(field))
+        {
+            mesh_.lookupObjectRef<volScalarField>(field)
+           .correctBoundaryConditions();
+        }
+    }
+    alphaPhi_ = alphaf_*phi_;
+    courantRate_ = -1;
+    Info<< "elutria: gas starts from that settled at " << 1/ratio
+        << " of its velocity" << endl;
+}
+
+
+void GasPhase::writeSettled()
+{
+    visitFlow([&](auto& field)
+    {
+        typedef typename std::remove_reference<decltype(field)>::type fieldType;
+        IOobject header(settledHeader(field, mesh_));
+        header.readOpt() = IOobject::NO_READ;
+        fieldType(header, field).write();
+    });
+}
+
+
+} // End namespace Foam
