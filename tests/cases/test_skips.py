@@ -10,8 +10,8 @@ import pytest
 from elutria.bench.common import project_root
 from elutria.bench.stability_scenes import column
 from elutria.case import Case
+from elutria.classify import fit_events
 from elutria.events import read_run
-from elutria.fit import fit_events
 from elutria.run import run_case
 from elutria.verification.classification import loaded
 from elutria.verification.scene import read_gas, times
