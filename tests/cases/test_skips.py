@@ -69,7 +69,7 @@ def settling_steps(case: Path) -> int:
 @pytest.mark.slow
 def test_heavy_parcels_see_the_undisturbed_gas_also_where_it_rests(tmp_path: Path) -> None:
     """Parcels of up to hundreds of grains: their own wake would take the cut down by percents."""
-    heavy = [f"{PARAMETERS}:{text}" for text in ("loading=1.5", "particles=3000", "drainTime=1")]
+    heavy = [f"{PARAMETERS}:{text}" for text in ("loading=1.5",)]
     fits = [
         fit_events(
             read_run(
