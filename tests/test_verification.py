@@ -7,10 +7,11 @@ import importlib
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from elutria.bench.common import Options, project_root
-from elutria.verification import bed, contacts, drag, page, wake
+from elutria.verification import bed, contacts, dispersion, drag, page, wake
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.contacts import collide, linear
 from elutria.verification.scene import Particles
@@ -71,6 +72,18 @@ def test_sample_packed_bed(tmp_path: Path) -> None:
     found = bed.held_bed(tmp_path / "case", 1e-3, 0.4, 1.0, bed.STOCK)
     error = abs(found.middle / bed.ergun(1.0, 1e-3, 0.4) - 1)
     assert error < 0.01
+
+
+def test_sample_well_mixed(tmp_path: Path) -> None:
+    """Chi-squared of 20 slices below its 95 % limit where turbulence decays to the walls."""
+
+    def turbulence(height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        k = 1.5 * (0.1 + 0.4 * height) ** 2
+        return k, k / 0.0415
+
+    places = dispersion.spread(tmp_path / "case", dispersion.CONTINUOUS, turbulence, 4000)
+    counts, _ = np.histogram(places, 20, (0, 1))
+    assert ((counts - 200) ** 2 / 200).sum() < 30.1
 
 
 def test_sample_own_wake(tmp_path: Path) -> None:

@@ -140,6 +140,7 @@ void ElutriaCloud::sampleGas
         const scalar dragRate = max(mean.Sp(), VSMALL);
         inertialDispersion_->relaxationTime = massEff/dragRate;
         inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
+        inertialDispersion_->offset = p.position() - mesh().C()[p.cell()];
     }
     seedRandom(p);
     p.calcDispersion(*this, td, dt);
