@@ -238,7 +238,7 @@ def run(options: Options) -> None:
     packed = np.linspace(0, 1, 30)
     drop = [ergun(max(r, 1e-9) * bed.minimum, bed.diameter, 0.4) for r in packed]
     axes.plot([*packed, 4], [*np.array(drop) / drop[-1], 1], "k-", lw=0.8)
-    axes.set_xlabel("superficial velocity over minimum fluidisation (void 0.4)")
+    axes.set_xlabel("velocity over minimum fluidisation (void 0.4)")
     axes.set_ylabel("pressure drop over weight")
     axes.legend(title="line: Ergun at void 0.4, then the weight", title_fontsize=7)
     section.figures["plateau"] = (figure, "Pressure drop of beds on the inlet.")
