@@ -247,17 +247,25 @@ ContactSettings::ContactSettings
             << "collisionModel cellList needs cellListCoeffs or"
             << " pairCollisionCoeffs" << exit(FatalIOError);
     }
-    addMirrors(materials, particleNames.size(), mesh);
     try
     {
         materials.check();
-        walls = collectWalls(mesh, particleNames.size(), settings.box);
+        walls = collectWalls(mesh, particleNames.size(), settings.box, false);
     }
     catch (const std::invalid_argument& error)
     {
         FatalIOErrorInFunction(own ? *own : *stock)
             << error.what() << exit(FatalIOError);
     }
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ContactSettings::meetMirrors(const label nParticle, const polyMesh& mesh)
+{
+    addMirrors(materials, nParticle, mesh);
+    walls = collectWalls(mesh, nParticle, settings.box, true);
 }
 
 
@@ -281,7 +289,8 @@ elutria::dem::Walls collectWalls
 (
     const polyMesh& mesh,
     const uint32_t firstMaterial,
-    const elutria::dem::PeriodicBox& box
+    const elutria::dem::PeriodicBox& box,
+    const bool mirrors
 )
 {
     // Own wall faces, triangulated as the tracking does; nine numbers and the
@@ -295,7 +304,7 @@ elutria::dem::Walls collectWalls
     label walls = 0;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        if (!meetsParticles(patch))
+        if (!isA<wallPolyPatch>(patch) && !(mirrors && isMirror(patch)))
         {
             continue;
         }

@@ -36,6 +36,10 @@ void ElutriaCloud::findModels()
 
     contacts_ =
         dynamic_cast<CellListCollision<collidingCloudType>*>(&collision());
+    if (contacts_)
+    {
+        contacts_->meetMirrors();
+    }
 
     stockMotion_ =
         !contacts_
