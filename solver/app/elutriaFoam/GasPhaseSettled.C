@@ -91,10 +91,18 @@ void GasPhase::startFromSettled()
     {
         return;
     }
-    const scalar before = inflow(surfaceScalarField(header, mesh_));
+    scalar before = 0;
+    try
+    {
+        before = inflow(surfaceScalarField(header, mesh_));
+    }
+    catch (const error&)
+    {}
     const scalar ratio = inflow(phi_)/max(before, VSMALL);
     if (!(ratio > 1e-3 && ratio < 1e3))
     {
+        Info<< "    Warning: " << header.objectPath() << " is not of this mesh,"
+            << " or of a gas at rest, and not used" << endl;
         return;
     }
 
