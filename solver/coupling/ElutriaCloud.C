@@ -271,47 +271,6 @@ void ElutriaCloud::advanceParticles(const scalar dt)
 }
 
 
-IOobject ElutriaCloud::wakeHeader() const
-{
-    return IOobject
-    (
-        "gasWake", time().timeName(), "uniform", mesh(),
-        IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false
-    );
-}
-
-
-ElutriaCloud::Wake ElutriaCloud::readWake() const
-{
-    const IOdictionary dict(wakeHeader());
-    return
-    {
-        dict.getOrDefault<scalar>("time", 0),
-        dict.getOrDefault<scalar>("window", 0)
-    };
-}
-
-
-void ElutriaCloud::writeWake()
-{
-    IOdictionary dict(wakeHeader());
-    dict.set("time", wake_.time);
-    dict.set("window", wake_.window);
-    dict.regIOobject::write();
-
-    // Go on with what a restart reads
-    std::ostringstream digits;
-    digits.precision(IOstream::defaultPrecision());
-    const auto asWritten = [&digits](const scalar value)
-    {
-        digits.str("");
-        digits << value;
-        return std::stod(digits.str());
-    };
-    wake_ = {asWritten(wake_.time), asWritten(wake_.window)};
-}
-
-
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 ElutriaCloud::ElutriaCloud
@@ -339,7 +298,7 @@ ElutriaCloud::ElutriaCloud
     volumeShares_(mesh()),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     ownWake_(particleProperties().subOrEmptyDict("ownWake")),
-    wake_(readWake()),
+    wakeInGas_(false),
     theta_
     (
         IOobject
@@ -476,7 +435,6 @@ bool ElutriaCloud::softOnly() const
 
 void ElutriaCloud::writeState()
 {
-    writeWake();
     if (recorder_)
     {
         recorder_->writeFiles();

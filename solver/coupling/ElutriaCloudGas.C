@@ -57,7 +57,8 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar dt
 )
 {
-    if (!ownWake_.corrects() || wake_.window <= 0)
+    const bool solvedLastStep = wakeInGas_ && window_ < 1.5*dt;
+    if (!ownWake_.corrects() || !solvedLastStep)
     {
         return;
     }
@@ -66,15 +67,6 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar cellSize = cbrt(cellVolume);
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
     const scalar width = OwnWake::width(kernel, cellSize);
-    const scalar stillIn = OwnWake::stillIn
-    (
-        mag(p.U()), time().value() - dt - wake_.time, wake_.window - dt, width
-    );
-    if (stillIn < 1e-3)
-    {
-        return;
-    }
-
     const scalar volume = p.nParticle()*p.volume();
     const scalar spacing = OwnWake::spacing
     (
@@ -91,7 +83,7 @@ void ElutriaCloud::seeUndisturbedGas
         (
             p, td, dt, p.mass(), p.Re(td), td.muc()
         ).Sp();
-        const scalar better = stillIn*OwnWake::share
+        const scalar better = OwnWake::share
         (
             p.nParticle()*dragRate, mag(td.Uc() - p.U()), width, spacing,
             td.muc(), td.muc()/td.rhoc()
@@ -190,16 +182,15 @@ void ElutriaCloud::correct(const volVectorField& change)
             p.U() += response(k++)*seen[p.cell()];
         }
     }
-    if (solution().coupled())
-    {
-        wake_ = {time().value(), window_};
-    }
+    const bool singleStep = window_ < 1.5*solution().trackTime();
     drop();
+    wakeInGas_ = singleStep && solution().coupled();
 }
 
 
 void ElutriaCloud::drop()
 {
+    wakeInGas_ = false;
     impulse_ = Zero;
     arrived_ = Zero;
     window_ = 0;

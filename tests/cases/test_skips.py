@@ -10,8 +10,6 @@ import pytest
 from elutria.bench.common import project_root
 from elutria.bench.stability_scenes import column
 from elutria.case import Case
-from elutria.classify import fit_events
-from elutria.events import read_run
 from elutria.run import run_case
 from elutria.verification.classification import loaded
 from elutria.verification.scene import read_gas, times
@@ -64,18 +62,3 @@ def settling_steps(case: Path) -> int:
     """Steps in which the empty column's gas settled."""
     lines = (case / "log.elutriaFoam").read_text().splitlines()
     return int(next(line for line in lines if "gas settled in" in line).split()[4])
-
-
-@pytest.mark.slow
-def test_heavy_parcels_see_the_undisturbed_gas_also_where_it_rests(tmp_path: Path) -> None:
-    """Parcels of up to hundreds of grains: their own wake would take the cut down by percents."""
-    heavy = [f"{PARAMETERS}:{text}" for text in ("loading=1.5",)]
-    fits = [
-        fit_events(
-            read_run(
-                default_column(tmp_path / gas, 6, *heavy, f"system/scenePlan:gas={gas}").path
-            ).events
-        )
-        for gas in ("on", "auto")
-    ]
-    assert fits[1].d50 == pytest.approx(fits[0].d50, rel=0.015)
