@@ -128,6 +128,7 @@ void ElutriaCloud::sampleGas
     elutria::dem::Particles& all = particles_;
     const scalar mass = p.mass();
 
+    starts_[i] = p.position();
     p.setCellValues(*this, td);
     const scalar massEff = forces().massEff(p, td, mass);
 
@@ -144,7 +145,7 @@ void ElutriaCloud::sampleGas
         const scalar dragRate = max(mean.Sp(), VSMALL);
         inertialDispersion_->relaxationTime = massEff/dragRate;
         inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
-        inertialDispersion_->offset = p.position() - mesh().C()[p.cell()];
+        inertialDispersion_->offset = starts_[i] - mesh().C()[p.cell()];
     }
     seedRandom(p);
     p.calcDispersion(*this, td, dt);
@@ -182,7 +183,6 @@ void ElutriaCloud::sampleGas
     all.mass[i] = mass;
     all.number[i] = p.nParticle();
     all.dragRate[i] = rate;
-    starts_[i] = p.position();
     all.position.set(i, toEngine(starts_[i]));
     all.velocity.set(i, toEngine(startVelocity));
     all.spin.set(i, toEngine(p.omega()));

@@ -67,6 +67,7 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar cellSize = cbrt(cellVolume);
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
     const scalar width = OwnWake::width(kernel, cellSize);
+
     const scalar volume = p.nParticle()*p.volume();
     const scalar spacing = OwnWake::spacing
     (

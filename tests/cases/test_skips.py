@@ -9,7 +9,7 @@ import pytest
 
 from elutria.bench.common import project_root
 from elutria.bench.stability_scenes import column
-from elutria.case import Case
+from elutria.case import PARAMETERS, Case
 from elutria.run import run_case
 from elutria.verification.classification import loaded
 from elutria.verification.scene import read_gas, times
@@ -33,9 +33,6 @@ def test_gas_at_rest_leaves_the_products_as_they_are(tmp_path: Path) -> None:
     shares = [float(np.mean(e.select(e.has_left).is_coarse)) for e in (every, plan)]
     chance = 1.96 * (0.5 / 600) ** 0.5  # both products are about equal
     assert shares[0] == pytest.approx(shares[1], abs=chance)
-
-
-PARAMETERS = "system/simulationParameters"
 
 
 def default_column(

@@ -466,18 +466,24 @@ scalar GasPhase::courantRate() const
 }
 
 
-scalar GasPhase::throughTime() const
+scalar GasPhase::inflow(const surfaceScalarField& phi)
 {
-    scalar inflow = 0;
-    forAll(mesh_.boundary(), patchi)
+    scalar sum = 0;
+    forAll(phi.boundaryField(), patchi)
     {
-        if (!mesh_.boundary()[patchi].coupled())
+        if (!phi.mesh().boundary()[patchi].coupled())
         {
-            inflow -= sum(min(phi_.boundaryField()[patchi], scalar(0)));
+            sum -= Foam::sum(min(phi.boundaryField()[patchi], scalar(0)));
         }
     }
-    reduce(inflow, sumOp<scalar>());
-    return inflow > VSMALL ? gSum(mesh_.V())/inflow : GREAT;
+    return returnReduce(sum, sumOp<scalar>());
+}
+
+
+scalar GasPhase::throughTime() const
+{
+    const scalar entering = inflow(phi_);
+    return entering > VSMALL ? gSum(mesh_.V())/entering : GREAT;
 }
 
 

@@ -30,20 +30,6 @@ IOobject settledHeader(const regIOobject& field, const fvMesh& mesh)
 }
 
 
-scalar inflow(const surfaceScalarField& phi)
-{
-    scalar sum = 0;
-    forAll(phi.boundaryField(), patchi)
-    {
-        if (!phi.mesh().boundary()[patchi].coupled())
-        {
-            sum -= Foam::sum(min(phi.boundaryField()[patchi], scalar(0)));
-        }
-    }
-    return returnReduce(sum, sumOp<scalar>());
-}
-
-
 void take(surfaceScalarField& field, const surfaceScalarField& other)
 {
     field == other;
@@ -66,12 +52,13 @@ void take
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 template<class Visit>
-void GasPhase::visitFlow(const Visit& visit)
+void GasPhase::visitTurbulence
+(
+    const std::initializer_list<const char*> names,
+    const Visit& visit
+)
 {
-    visit(U_);
-    visit(p_);
-    visit(phi_);
-    for (const char* const name : {"k", "epsilon", "omega", "nuTilda", "nut"})
+    for (const char* const name : names)
     {
         const word field(IOobject::groupName(name, U_.group()));
         if (mesh_.foundObject<volScalarField>(field))
@@ -79,6 +66,16 @@ void GasPhase::visitFlow(const Visit& visit)
             visit(mesh_.lookupObjectRef<volScalarField>(field));
         }
     }
+}
+
+
+template<class Visit>
+void GasPhase::visitFlow(const Visit& visit)
+{
+    visit(U_);
+    visit(p_);
+    visit(phi_);
+    visitTurbulence({"k", "epsilon", "omega", "nuTilda", "nut"}, visit);
 }
 
 
@@ -119,15 +116,10 @@ void GasPhase::startFromSettled()
         take(field, scaled);
     });
     U_.correctBoundaryConditions();
-    for (const char* const name : {"k", "nuTilda", "nut"})
+    visitTurbulence({"k", "nuTilda", "nut"}, [](volScalarField& field)
     {
-        const word field(IOobject::groupName(name, U_.group()));
-        if (mesh_.foundObject<volScalarField>(field))
-        {
-            mesh_.lookupObjectRef<volScalarField>(field)
-           .correctBoundaryConditions();
-        }
-    }
+        field.correctBoundaryConditions();
+    });
     alphaPhi_ = alphaf_*phi_;
     courantRate_ = -1;
     Info<< "elutria: gas starts from that settled at " << 1/ratio

@@ -121,21 +121,25 @@ def run(options: Options) -> None:
         )
 
 
-def crowded_box(particles: int, steps: int, threads: int) -> dict[str, Any]:
-    """The last `steps` of twice as many in the box in which the spheres lie close."""
+def run_box(particles: int, steps: int, reports: int, *settings: str) -> list[dict[str, Any]]:
+    """What the engine's own program says of its box, `reports` times, after `steps` each."""
     output = run_program(
         [
             built("elutriaDemBench"),
             "box",
             f"particles={particles}",
             f"width={box_width(particles)}",
-            f"height={CROWDED_HEIGHT}",
-            f"steps={2 * steps}",
+            f"steps={reports * steps}",
             f"report={steps}",
-            f"threads={threads}",
+            *settings,
         ]
     )
-    return dict(json.loads(output.splitlines()[-1]))
+    return [json.loads(line) for line in output.splitlines()]
+
+
+def crowded_box(particles: int, steps: int, threads: int) -> dict[str, Any]:
+    """The last `steps` of twice as many in the box in which the spheres lie close."""
+    return run_box(particles, steps, 2, f"height={CROWDED_HEIGHT}", f"threads={threads}")[-1]
 
 
 def many(options: Options) -> dict[str, Any]:
@@ -211,16 +215,6 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
 
 def run_elutria(particles: int, steps: int) -> list[Stage]:
     """All stages through the engine's own program."""
-    output = run_program(
-        [
-            built("elutriaDemBench"),
-            "box",
-            f"particles={particles}",
-            f"width={box_width(particles)}",
-            f"steps={3 * steps}",
-            f"report={steps}",
-        ]
-    )
     return [
         Stage(
             "elutria",
@@ -232,7 +226,7 @@ def run_elutria(particles: int, steps: int) -> list[Stage]:
             line["mean_height_m"],
             line["coordination"],
         )
-        for stage, line in zip(STAGES, map(json.loads, output.splitlines()), strict=True)
+        for stage, line in zip(STAGES, run_box(particles, steps, len(STAGES)), strict=True)
     ]
 
 

@@ -14,7 +14,15 @@ import numpy as np
 
 from elutria.bench.common import Options, against_stock, run_program, write_result
 from elutria.errors import InputError
-from elutria.verification.scene import CONTROL, MODELS, change, read_particles, times
+from elutria.verification.scene import (
+    CONTROL,
+    MODELS,
+    change,
+    patch_mean,
+    read_particles,
+    read_patch_mean,
+    times,
+)
 
 NAME = "stock"
 HELP = "the Goldschmidt bed: stock DPMFoam, our contacts in it, and elutriaFoam"
@@ -76,38 +84,40 @@ def copy_tutorial(case: Path) -> Path:
     return case
 
 
-def _make(folder: Path, name: str) -> Path:
-    """A copy of the tutorial set up for a variant."""
-    solver, factor, gas = VARIANTS[name]
-    case = copy_tutorial(folder / name.replace(" ", "-").replace(",", ""))
+def make_bed(case: Path, solver: str, collisions: str, step: float, gas: str = "") -> Path:
+    """A copy of the tutorial for a solver, with `collisions` "stock" or "elutria" and a time step
+    in s; `gas` (on or auto) is the scene plan's entry, for elutriaFoam."""
+    case = copy_tutorial(case)
     change(
         case,
         {
-            f"{CONTROL}:deltaT": factor * STEP,
+            f"{CONTROL}:deltaT": step,
             f"{CONTROL}:writeControl": "runTime",
             f"{CONTROL}:writeFormat": "ascii",
             f"{CONTROL}:writeCompression": False,
-            f"{CONTROL}:functions": {
-                "bed": {
-                    "type": "surfaceFieldValue",
-                    "libs": ['"libfieldFunctionObjects.so"'],
-                    "regionType": "patch",
-                    "name": "bottom",
-                    "operation": "areaAverage",
-                    "fields": ["p"],
-                    "writeFields": False,
-                    "log": False,
-                }
-            },
+            **patch_mean("bottom", "p"),
         },
     )
-    if name != STOCK:
+    if collisions == "elutria":
         change(case, {f"{MODELS}/collisionModel": "cellList"})
-    if solver == "DPMFoam" and name != STOCK:
-        change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
+        if solver == "DPMFoam":
+            change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
     if gas:
         header = "FoamFile { version 2.0; format ascii; class dictionary; object scenePlan; }\n"
         (case / "system/scenePlan").write_text(f"{header}gas {gas};\n")
+    return case
+
+
+def _make(folder: Path, name: str) -> Path:
+    """A copy of the tutorial set up for a variant."""
+    solver, factor, gas = VARIANTS[name]
+    case = make_bed(
+        folder / name.replace(" ", "-").replace(",", ""),
+        solver,
+        "stock" if name == STOCK else "elutria",
+        factor * STEP,
+        gas,
+    )
     run_program(["blockMesh"], case)
     return case
 
@@ -125,7 +135,7 @@ def _time(case: Path, solver: str, end: float) -> float:
 
 def _bed(case: Path) -> dict[str, float]:
     """Pressure drop (Pa, mean of the longer run's second half) and mean height (m) at its end."""
-    pressure = np.loadtxt(next(case.glob("postProcessing/bed/*/surfaceFieldValue.dat")), ndmin=2)
+    pressure = read_patch_mean(case, "bottom")
     height = read_particles(case, times(case)[-1]).position[:, 2].mean()
     return {
         "bed_pressure_drop_pa": DENSITY * float(np.mean(pressure[len(pressure) // 2 :, 1])),

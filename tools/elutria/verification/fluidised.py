@@ -26,6 +26,7 @@ from elutria.verification.scene import (
     make_scene,
     patch_mean,
     read_particles,
+    read_patch_mean,
     run_scene,
     times,
 )
@@ -145,7 +146,7 @@ def fluidise(folder: Path, bed: Bed, velocity: float, writes: int = 30) -> Means
 
 def _means(case: Path, bed: Bed) -> Means:
     head = GAS.density * GRAVITY
-    series = np.loadtxt(next(case.glob("postProcessing/bottom/*/surfaceFieldValue.dat")))
+    series = read_patch_mean(case, "bottom")
     settled = series[series[:, 0] > SETTLED, 1]
 
     written = [t for t in times(case) if float(t) > SETTLED]

@@ -224,6 +224,12 @@ def patch_mean(patch: str, field: str) -> dict[str, Any]:
     return {f"{CONTROL}:functions": {patch: mean}}
 
 
+def read_patch_mean(case: Path, patch: str) -> Array:
+    """What patch_mean() wrote in a run: rows of time (s) and mean."""
+    found = case.glob(f"postProcessing/{patch}/*/surfaceFieldValue.dat")
+    return np.loadtxt(next(found), ndmin=2)
+
+
 def run_scene(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> str:
     """Run the solver in `case`; its output, also kept in log.SOLVER. Raises ElutriaError."""
     command = [solver]

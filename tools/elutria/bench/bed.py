@@ -1,0 +1,192 @@
+"""Goldschmidt's bed over a time long enough for statistics: stock DPMFoam with our contacts, which
+follow stock's own to all digits while a run is short, beside elutriaFoam at larger steps.
+
+The tutorial's front and back are planes of symmetry, where stock lets spheres reach through by a
+radius and elutriaFoam does not. They are walls here, with slip for the gas, so that all compute the
+same bed. All start from one state, made by elutriaFoam from the tutorial's lattice."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib import rc_context
+from numpy.typing import NDArray
+
+from elutria.bench.common import Options, run_program, write_result
+from elutria.bench.stock import DENSITY, STEP, make_bed
+from elutria.files import write_csv
+from elutria.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
+from elutria.verification.scene import (
+    CONTROL,
+    MODELS,
+    change,
+    read_particles,
+    read_patch_mean,
+    run_scene,
+    times,
+    write_particles,
+)
+
+NAME = "bed"
+HELP = "the Goldschmidt bed's pressure drop and height over a long time, ours beside stock's"
+
+COLUMNS = (
+    "variant", "time_step_s", "simulated_s",
+    "pressure_drop_pa", "pressure_drop_spread_pa", "pressure_drop_error_pa",
+    "mean_height_m", "mean_height_spread_m", "mean_height_error_m",
+)  # fmt: skip
+SERIES_COLUMNS = ("variant", "time_s", "pressure_drop_pa", "mean_height_m")
+SAMPLING = 0.01  # s between states
+LEFT_OUT = 0.1  # s after the common start
+BLOCKS = 5  # whose means give the error of the whole mean
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Solver, step over the tutorial's, plan's entry for the gas, length over the reference's."""
+
+    name: str
+    solver: str
+    factor: float
+    gas: str
+    length: float
+
+
+START = Variant("start", "elutriaFoam", 10, "auto", 1)
+VARIANTS = (
+    Variant("our contacts in DPMFoam", "DPMFoam", 1, "", 1),
+    Variant("elutriaFoam, step 10 times", "elutriaFoam", 10, "auto", 3),
+    Variant("elutriaFoam, step 15 times", "elutriaFoam", 15, "auto", 3),
+)
+
+
+@rc_context(STYLE)
+def run(options: Options) -> None:
+    """Run every variant and write bed.csv, bed_series.csv, .png and .json.
+
+    `--option seconds=S`: simulated by the reference (default 0.6), elutriaFoam takes 3 times as
+    much; `--option start=S`: the bed's age at the common start (default 0.5).
+    """
+    seconds = float(options.extra.get("seconds", "0.12" if options.quick else "0.6"))
+    start = float(options.extra.get("start", "0.02" if options.quick else "0.5"))
+    runs = options.folder / "runs"
+
+    first = _make(runs, START)
+    run_program(["blockMesh"], first)
+    _advance(first, START, start)
+    options.say(f"the bed is {start} s old")
+
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        results = pool.map(lambda variant: _measure(runs, first, variant, seconds), VARIANTS)
+        rows, series = [], []
+        for row, lines in results:
+            rows.append(row)
+            series.append(lines)
+            options.say(
+                f"{row['variant']}: {row['pressure_drop_pa']:.1f} +- "
+                f"{row['pressure_drop_error_pa']:.1f} Pa, "
+                f"{1e3 * row['mean_height_m']:.2f} +- {1e3 * row['mean_height_error_m']:.2f} mm"
+            )
+    write_csv(
+        options.folder / "bed_series.csv",
+        SERIES_COLUMNS,
+        (
+            dict(zip(SERIES_COLUMNS, (variant.name, *line), strict=True))
+            for variant, lines in zip(VARIANTS, series, strict=True)
+            for line in lines.tolist()
+        ),
+    )
+    write_result(options, NAME, COLUMNS, rows, _figure(series), {"seconds": seconds})
+    shutil.rmtree(runs)
+
+
+def _make(runs: Path, variant: Variant) -> Path:
+    """The tutorial for a variant, with walls in front and behind."""
+    case = make_bed(
+        runs / variant.name.replace(" ", "-").replace(",", ""),
+        variant.solver,
+        "elutria",
+        variant.factor * STEP,
+        variant.gas,
+    )
+    for file, kind in {
+        "system/blockMeshDict": "wall",
+        "0/U.air": "slip",
+        "0/p": "fixedFluxPressure; phi phi.air; value $internalField",
+    }.items():
+        text = (case / file).read_text()
+        (case / file).write_text(text.replace("symmetry;", f"{kind};"))
+    return case
+
+
+def _advance(case: Path, variant: Variant, end: float) -> None:
+    interval = min(SAMPLING, end)
+    change(case, {f"{CONTROL}:endTime": end, f"{CONTROL}:writeInterval": interval})
+    run_scene(case, solver=variant.solver)
+
+
+def _measure(
+    runs: Path, first: Path, variant: Variant, seconds: float
+) -> tuple[dict[str, Any], Array]:
+    """The row of a variant, and time (s), pressure drop (Pa) and height (m) of its states."""
+    case = _make(runs, variant)
+    run_program(["blockMesh"], case)
+    last = times(first)[-1]
+    for field in ("U.air", "p"):
+        shutil.copy(first / last / field, case / "0" / field)
+    write_particles(case, read_particles(first, last))
+    change(case, {f"{MODELS}/injectionModels": {}})
+    _advance(case, variant, variant.length * seconds)
+
+    pressure = read_patch_mean(case, "bottom")
+    written = [name for name in times(case) if float(name) > 0]
+    heights = [read_particles(case, name).position[:, 2].mean() for name in written]
+    at = np.array([float(name) for name in written])
+    before = np.concatenate(([0.0], at[:-1]))
+    drops = [
+        DENSITY * pressure[(pressure[:, 0] > low) & (pressure[:, 0] <= high + 1e-9), 1].mean()
+        for low, high in zip(before, at, strict=True)
+    ]
+    lines = np.column_stack([at, drops, heights])
+    settled = lines[at > min(LEFT_OUT, seconds / 2)]
+    row = {
+        "variant": variant.name,
+        "time_step_s": variant.factor * STEP,
+        "simulated_s": variant.length * seconds,
+        **_statistics("pressure_drop", "pa", settled[:, 1]),
+        **_statistics("mean_height", "m", settled[:, 2]),
+    }
+    return row, lines
+
+
+def _statistics(name: str, unit: str, values: Array) -> dict[str, float]:
+    """Mean, spread in time, and the mean's standard error from the means of blocks."""
+    blocks = [block.mean() for block in np.array_split(values, BLOCKS) if len(block)]
+    return {
+        f"{name}_{unit}": float(values.mean()),
+        f"{name}_spread_{unit}": float(values.std()),
+        f"{name}_error_{unit}": float(np.std(blocks, ddof=1) / np.sqrt(len(blocks))),
+    }
+
+
+def _figure(series: list[Array]) -> plt.Figure:
+    figure, (above, below) = plt.subplots(
+        2, figsize=(COLUMN_WIDTH, 1.1 * COLUMN_WIDTH), sharex=True
+    )
+    for variant, lines, colour in zip(VARIANTS, series, MATERIAL_COLOURS, strict=False):
+        above.plot(lines[:, 0], lines[:, 1], color=colour, label=variant.name)
+        below.plot(lines[:, 0], 1e3 * lines[:, 2], color=colour)
+    above.set_ylabel("pressure drop (Pa)")
+    below.set_ylabel("mean height (mm)")
+    below.set_xlabel("time after the common start (s)")
+    figure.legend(loc="outside upper center", ncols=1)
+    return figure
