@@ -50,6 +50,8 @@ double WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t beg
         nearest = margin;
         if (candidate.images.empty()) continue;
         candidate.particle = std::uint32_t(i);
+        candidate.flat = walls_.isFlat(position, margin, candidate.images);
+        candidate.below = 0;
         candidate.memories.clear();
         while (old < chunk.count && chunk.current[old].particle < i) ++old;
         if (old < chunk.count && chunk.current[old].particle == i)
@@ -73,7 +75,16 @@ void WallTable::evaluateWith(Chunk& chunk, Cloud& cloud, StepWeights weights)
         const std::uint32_t i = candidate.particle;
         const Row& row = cloud.rows[i];
         const double reach = candidate.memories.empty() ? 0 : chunk.margin;
-        walls_.contacts(cloud.position(i), row.radius, reach, candidate.images, chunk.found);
+        const Vector3 position = cloud.position(i);
+        if (candidate.flat)
+        {
+            walls_.contactsOnFlat(position, row.radius, reach, candidate.images,
+                                  candidate.below, chunk.found);
+        }
+        else
+        {
+            walls_.contacts(position, row.radius, reach, candidate.images, chunk.found);
+        }
         if (chunk.found.empty() && candidate.memories.empty()) continue;
         Load& load = cloud.loads[i];
         chunk.kept.clear();

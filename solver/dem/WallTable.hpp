@@ -47,6 +47,8 @@ private:
     struct Candidate
     {
         std::uint32_t particle;
+        std::uint32_t below;                    // of images, where they are flat
+        bool flat;
         std::vector<Walls::Image> images;
         std::vector<Memory> memories;
     };

@@ -244,6 +244,13 @@ void Walls::joinSurfaces(const Topology& topology)
         triangles_[i].surface = surfaces.root(i);
         triangles_[i].plane = planes.root(i);
     }
+    for (const std::uint32_t i : order_)
+        for (int k = 0; k < 3; ++k)
+        {
+            const auto& sides = topology.adjacent[triangles_[i].edge[k]];
+            triangles_[i].rim[k] = sides.size() != 2
+                || triangles_[sides[0].triangle].plane != triangles_[sides[1].triangle].plane;
+        }
 }
 
 

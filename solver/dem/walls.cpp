@@ -156,6 +156,19 @@ void Walls::collectBox(const Vector3& low, const Vector3& high, std::vector<Imag
 }
 
 
+void Walls::addContact(const Triangle& t, const Image& image, const Foot& nearest,
+                       const Vector3& position, double radius, double limit,
+                       std::vector<WallContact>& found) const
+{
+    const Vector3 away = position - nearest.point;
+    const double distance = norm(away);
+    if (distance > limit || !locallyNearest(t, nearest, away)) return;
+    const Vector3 normal = distance > 0 ? (1/distance)*away : t.normal;
+    found.push_back({normal, nearest.point + image.shift, distance - radius, t.material,
+                     image.triangle, key(t, nearest)});
+}
+
+
 void Walls::contacts(const Vector3& centre, double radius, double reach,
                      const std::vector<Image>& among, std::vector<WallContact>& found) const
 {
@@ -166,13 +179,7 @@ void Walls::contacts(const Vector3& centre, double radius, double reach,
         const Triangle& t = triangles_[image.triangle];
         const Vector3 p = centre - image.shift;
         if (std::abs(dot(t.normal, p - t.corner)) > limit) continue;
-        const Foot nearest = foot(t, p);
-        const Vector3 away = p - nearest.point;
-        const double distance = norm(away);
-        if (distance > limit || !locallyNearest(t, nearest, away)) continue;
-        const Vector3 normal = distance > 0 ? (1/distance)*away : t.normal;
-        found.push_back({normal, nearest.point + image.shift, distance - radius, t.material,
-                         image.triangle, key(t, nearest)});
+        addContact(t, image, foot(t, p), p, radius, limit, found);
     }
     if (found.size() > 1) mergeParallel(found);
 }
@@ -184,6 +191,55 @@ void Walls::contacts(const Vector3& centre, double radius, double reach,
     thread_local std::vector<Image> among;
     collect(centre, radius + reach, among);
     contacts(centre, radius, reach, among, found);
+}
+
+
+bool Walls::isFlat(const Vector3& centre, double margin, const std::vector<Image>& among) const
+{
+    if (among.empty()) return false;
+    const Triangle& first = triangles_[among[0].triangle];
+    for (const Image& image : among)
+    {
+        const Triangle& t = triangles_[image.triangle];
+        const Vector3 apart = image.shift - among[0].shift;
+        if (t.plane != first.plane || squaredNorm(apart) > 0) return false;
+
+        const Vector3 toA = centre - image.shift - t.corner;
+        const Vector3 corner[3] = {{}, t.side1, t.side2};
+        const Vector3 below = toA - dot(t.normal, toA)*t.normal;
+        for (int k = 0; k < 3; ++k)
+        {
+            if (!t.rim[k]) continue;
+            const Vector3 side = corner[(k + 1) % 3] - corner[k], to = below - corner[k];
+            const double along = std::clamp(dot(to, side)/squaredNorm(side), 0.0, 1.0);
+            if (squaredNorm(to - along*side) <= margin*margin*(1 + 1e-6)) return false;
+        }
+    }
+    return true;
+}
+
+
+void Walls::contactsOnFlat(const Vector3& centre, double radius, double reach,
+                           const std::vector<Image>& among, std::uint32_t& below,
+                           std::vector<WallContact>& found) const
+{
+    found.clear();
+    const double limit = radius + reach;
+    const auto count = static_cast<std::uint32_t>(among.size());
+    for (std::uint32_t k = 0; k < count; ++k)
+    {
+        const std::uint32_t place = below + k < count ? below + k : below + k - count;
+        const Image& image = among[place];
+        const Triangle& t = triangles_[image.triangle];
+        const Vector3 p = centre - image.shift;
+        if (std::abs(dot(t.normal, p - t.corner)) > limit) return;
+        const Foot nearest = foot(t, p);
+        if (nearest.region != Region::face) continue;
+        below = place;
+        addContact(t, image, nearest, p, radius, limit, found);
+        return;
+    }
+    contacts(centre, radius, reach, among, found);      // above an edge
 }
 
 

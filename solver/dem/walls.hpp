@@ -104,6 +104,17 @@ public:
     void contacts(const Vector3& centre, double radius, double reach,
                   std::vector<WallContact>& found) const;
 
+    /// True if these triangles, collected around `centre`, are one plane whose rim is out of the
+    /// way of a sphere that stays within `margin` of there: the sphere touches at most the
+    /// triangle below its centre.
+    bool isFlat(const Vector3& centre, double margin, const std::vector<Image>& among) const;
+
+    /// contacts() among triangles that are flat there; `below` is the place in them to look at
+    /// first, and where the sphere was found.
+    void contactsOnFlat(const Vector3& centre, double radius, double reach,
+                        const std::vector<Image>& among, std::uint32_t& below,
+                        std::vector<WallContact>& found) const;
+
     /// Point of a triangle (image) nearest to a position.
     Vector3 nearestPoint(const Image& image, const Vector3& position) const;
 
@@ -117,6 +128,7 @@ private:
         std::array<std::uint32_t, 3> edge;          // edge k joins corners k and k+1
         std::array<std::uint32_t, 3> vertex;
         std::uint32_t surface, plane, material;
+        std::array<bool, 3> rim;                    // edge does not go on in the same plane
         bool sound;                                 // has an area
     };
     /// Ranges into inward_ (unit, in each triangle, off the edge) and outgoing_ (unit, along each
@@ -143,6 +155,9 @@ private:
     Foot foot(const Triangle&, const Vector3& position) const;
     bool locallyNearest(const Triangle&, const Foot&, const Vector3& away) const;
     std::uint64_t key(const Triangle&, const Foot&) const;
+    /// The contact at the foot of `position` (seen from the image), if it is one within `limit`.
+    void addContact(const Triangle&, const Image&, const Foot&, const Vector3& position,
+                    double radius, double limit, std::vector<WallContact>& found) const;
     void mergeParallel(std::vector<WallContact>& found) const;
     std::uint64_t surfaceKey(std::uint32_t surface) const { return surface; }
     std::uint64_t planeKey(std::uint32_t triangle) const

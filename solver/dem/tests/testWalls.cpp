@@ -189,6 +189,54 @@ TEST_CASE("walls: the nearest contact is the nearest of all triangles, on a rubb
     }
 }
 
+TEST_CASE("walls: where they are flat the triangle below is all there is to touch")
+{
+    // A box on an open-ended sheet that is bent once, with a step in its material
+    WallGeometry shape = shapes::box({-1, 0, 2}, {1, 1, 5}, 6);
+    shapes::addSheet(shape, {-3, -3, 0}, {3, 0, 0}, {0, 6, 0}, 5, 8, 1);
+    shapes::addSheet(shape, {0, -3, 0}, {3, 0, 0}, {0, 6, 0}, 5, 8, 2);
+    shapes::addSheet(shape, {-3, -3, 0}, {0, 0, 2}, {0, 6, 0}, 3, 8);
+    const Walls walls(shape);
+    Uniform random;
+    int flats = 0;
+    for (int trial = 0; trial < 5000; ++trial)
+    {
+        const Vector3 centre{random(-3.1, 3.1), random(-3.1, 3.1), random(-0.3, 5.3)};
+        const double radius = random(0.02, 0.3), margin = random(0.01, 0.3);
+        std::vector<Walls::Image> among;
+        walls.collect(centre, radius + margin, among);
+        if (!walls.isFlat(centre, margin, among)) continue;
+
+        ++flats;
+        std::uint32_t below = 0;
+        std::vector<WallContact> all, found;
+        for (int move = 0; move < 10; ++move)
+        {
+            Vector3 way{random(-1, 1), random(-1, 1), random(-1, 1)};
+            way *= margin*random(0, 1)/norm(way);
+            const double reach = move % 2 ? 0 : margin - norm(way);
+            walls.contacts(centre + way, radius, reach, all);
+            walls.contactsOnFlat(centre + way, radius, reach, among, below, found);
+            REQUIRE(found.size() == all.size());
+            if (found.empty()) continue;
+            CHECK(found[0].gap == doctest::Approx(all[0].gap).epsilon(1e-12));
+            CHECK(norm(found[0].normal - all[0].normal) < 1e-12);
+            CHECK(found[0].feature == all[0].feature);
+            CHECK(found[0].material == all[0].material);
+        }
+    }
+    CHECK(flats > 500);
+
+    // Beside a rim, and where two walls are in reach, it is not
+    std::vector<Walls::Image> among;
+    walls.collect({-2.5, 2.95, 0.05}, 0.15, among);
+    CHECK_FALSE(walls.isFlat({-2.5, 2.95, 0.05}, 0.1, among));
+    CHECK(walls.isFlat({-2.5, 2.95, 0.05}, 0.04, among));
+    walls.collect({-2.95, 1, 0.05}, 0.15, among);
+    CHECK_FALSE(walls.isFlat({-2.95, 1, 0.05}, 0.1, among));
+}
+
+
 TEST_CASE("walls: a periodic floor has no end")
 {
     for (const int n : {1, 3})
