@@ -210,6 +210,8 @@ void ContactSettings::readStock
     }
 
     stockResolution = pairDict.get<scalar>("collisionResolutionSteps");
+    settings.stepFraction =
+        min(largestStepFraction, 1/max(stockResolution, scalar(1)));
     for (uint32_t b = 0; b < materials.size(); ++b)
     {
         stockModulus =

@@ -98,6 +98,33 @@ void ElutriaCloud::seeUndisturbedGas
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
+scalar ElutriaCloud::ownWake(const scalar weight, const scalar speed) const
+{
+    scalar largest = 0;
+    for (const Feed::Material& m : feed_->materials())
+    {
+        largest = max(largest, m.sizes.max());
+    }
+    SpreadingKernel kernel(kernel_);
+    kernel.adapt(largest);
+
+    const scalar viscosity = gAverage(mu().primitiveField());
+    return OwnWake::share
+    (
+        weight/speed,
+        speed,
+        OwnWake::width
+        (
+            kernel.active() ? kernel.width() : 0,
+            cbrt(gAverage(mesh().V().field()))
+        ),
+        GREAT,
+        viscosity,
+        viscosity/gAverage(rho().primitiveField())
+    );
+}
+
+
 vectorField ElutriaCloud::forceOnGas() const
 {
     if (!solution().coupled() || window_ <= 0)

@@ -200,15 +200,10 @@ void Feed::readSchedule(const word& phaseName)
     maxParticles_ = getOrDefault<label>("particles", labelMax);
 
     sampling_ = readSampling();
-    scalar meanMass = 0;
-    for (const Material& m : materials_)
-    {
-        meanMass += m.numberFraction*m.meanMass();
-    }
     rate_ =
         weighted() && found("duration") && found("particles")
       ? maxParticles_/duration_
-      : massFlow_/meanMass;
+      : massFlow_/meanMass();
 
     seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
@@ -410,6 +405,28 @@ scalar Feed::number(const label i) const
         massOverMean = materials_[m].sizes.massOverEven(place(i, m));
     }
     return massOverMean*massFlow_/(rate_*mass(i));
+}
+
+
+scalar Feed::meanMass() const
+{
+    scalar mean = 0;
+    for (const Material& m : materials_)
+    {
+        mean += m.numberFraction*m.meanMass();
+    }
+    return mean;
+}
+
+
+scalar Feed::heaviestParcel() const
+{
+    scalar heaviest = 0;
+    for (label i = 0; i < 1000; ++i)
+    {
+        heaviest = max(heaviest, number(i)*mass(i));
+    }
+    return heaviest;
 }
 
 

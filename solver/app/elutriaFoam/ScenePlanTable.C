@@ -69,6 +69,9 @@ scalar relaxationTime
 //- Overlap over radius above which soft spheres are no longer spheres
 constexpr scalar largestOverlap = 0.05;
 
+//- Share of a parcel's slip that its own wake may take
+constexpr scalar largestWake = 0.01;
+
 } // End anonymous namespace
 
 
@@ -88,7 +91,7 @@ ScenePlan::Expected ScenePlan::expect(const Feed& feed) const
     e.gasChange =
         inside*mag(gas_.gravity())*stay/(rho*U*volume);
 
-    scalar crossSection = 0, meanMass = 0;
+    scalar crossSection = 0;
     for (const Feed::Material& m : feed.materials())
     {
         for (const scalar d : {m.sizes.min(), m.sizes.max()})
@@ -100,10 +103,9 @@ ScenePlan::Expected ScenePlan::expect(const Feed& feed) const
         e.smallest = min(e.smallest, m.sizes.min());
         const scalar d = m.sizes.quantileByNumber(0.5);
         crossSection += m.numberFraction*pi*sqr(d);
-        meanMass += m.numberFraction*m.meanMass();
         e.solidFraction += m.massFraction*inside/m.density/volume;
     }
-    e.collisions = inside/meanMass/volume*crossSection*0.5*U*stay;
+    e.collisions = inside/feed.meanMass()/volume*crossSection*0.5*U*stay;
     return e;
 }
 
@@ -130,6 +132,29 @@ void ScenePlan::announceStiffness(const ElutriaCloud& cloud) const
 }
 
 
+void ScenePlan::announceParcels(const ElutriaCloud& cloud) const
+{
+    const Feed& feed = *cloud.feed();
+    const scalar each = feed.massFlow()/(feed.rate()*feed.meanMass());
+    const scalar wake = cloud.ownWake
+    (
+        feed.heaviestParcel()*mag(gas_.gravity()), gas_.meanSpeed()
+    );
+    row
+    (
+        "parcels", "each " + number(each) + " particles",
+        "the heaviest feel gas slowed by themselves by " + percent(wake)
+    );
+    if (wake > largestWake)
+    {
+        Info<< "    Warning: parcels so heavy shift the cut; "
+            << number(wake/largestWake).c_str()
+            << " times as many (particles of constant/feed) stay below "
+            << percent(largestWake).c_str() << nl;
+    }
+}
+
+
 void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
 {
     static const char* const forced[] = {"as the scene allows", "always", "never"};
@@ -149,6 +174,10 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
             "loading " + number(e.loading) + ", the load changes the gas by "
           + percent(e.gasChange)
         );
+        if (feed->weighted() && coupled)
+        {
+            announceParcels(cloud);
+        }
         row
         (
             "contacts",
