@@ -11,6 +11,7 @@
 #include "engineVectors.H"
 #include "foamVersion.H"
 #include "flight.hpp"
+#include "turbulenceModel.H"
 #include "zeroGradientFvPatchFields.H"
 
 namespace Foam
@@ -132,7 +133,7 @@ void ElutriaCloud::sampleGas
     p.setCellValues(*this, td);
     const scalar massEff = forces().massEff(p, td, mass);
 
-    if (inertialDispersion_)
+    if (dispersing_ && inertialDispersion_)
     {
         const forceSuSp mean = forces().calcCoupled
         (
@@ -148,7 +149,10 @@ void ElutriaCloud::sampleGas
         inertialDispersion_->offset = starts_[i] - mesh().C()[p.cell()];
     }
     seedRandom(p);
-    p.calcDispersion(*this, td, dt);
+    if (dispersing_)
+    {
+        p.calcDispersion(*this, td, dt);
+    }
     seeUndisturbedGas(p, td, dt);
 
     const forceSuSp free = forces().calcNonCoupled
@@ -288,6 +292,7 @@ ElutriaCloud::ElutriaCloud
     recorder_(nullptr),
     contacts_(nullptr),
     inertialDispersion_(nullptr),
+    dispersing_(false),
     stockMotion_(false),
     impulse_(mesh().nCells(), Zero),
     arrived_(mesh().nCells(), Zero),
@@ -352,9 +357,22 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
         return;
     }
 
+    dispersing_ = disperses();
     sampleGas(td, dt);
     advanceParticles(dt);
     track(td, dt);
+}
+
+
+bool ElutriaCloud::disperses() const
+{
+    const auto* gas = mesh().findObject<turbulenceModel>
+    (
+        IOobject::groupName(turbulenceModel::propertiesName, U().group())
+    );
+    const bool laminar =
+        gas && gas->get<word>("simulationType") == "laminar";
+    return dispersion().active() && !laminar;
 }
 
 

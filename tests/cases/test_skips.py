@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from elutria.bench.common import project_root
-from elutria.bench.stability_scenes import column
+from elutria.bench.stability_scenes import bed, column, contacts
 from elutria.case import PARAMETERS, Case
+from elutria.events import Events, read_run
 from elutria.run import run_case
-from elutria.verification.classification import loaded
+from elutria.verification.classification import GRAINS, loaded
 from elutria.verification.scene import read_gas, times
 
 
@@ -29,9 +30,9 @@ def test_gas_at_rest_leaves_the_products_as_they_are(tmp_path: Path) -> None:
     """600 grains within 20 % of the cut, solved on every step and as the plan decides."""
     every = loaded(tmp_path / "every", 0.2, "four-way")
     plan = loaded(tmp_path / "plan", 0.2, "four-way", gas="auto")
-    assert len(plan) == len(every) == 600
+    assert len(plan) == len(every) == GRAINS
     shares = [float(np.mean(e.select(e.has_left).is_coarse)) for e in (every, plan)]
-    chance = 1.96 * (0.5 / 600) ** 0.5  # both products are about equal
+    chance = 1.96 * (0.5 / GRAINS) ** 0.5  # both products are about equal
     assert shares[0] == pytest.approx(shares[1], abs=chance)
 
 
@@ -53,6 +54,59 @@ def test_gas_that_starts_from_its_neighbours_settles_sooner_to_the_same(tmp_path
     assert np.sqrt(((gas[1] - gas[0]) ** 2).sum(axis=1).mean()) < 0.01 * 6
     steps = [settling_steps(case) for case in (alone, helped)]
     assert steps[1] < 0.6 * steps[0]
+
+
+SHORT = tuple(f"{PARAMETERS}:{text}" for text in ("particles=100", "feedTime=0.2", "drainTime=0.3"))
+CLOUD = "constant/kinematicCloudProperties"
+
+
+def same(one: Events, other: Events) -> bool:
+    """Whether the same parcels left at the same times through the same outlets."""
+    return all(
+        np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+        for a, b in zip(vars(one).values(), vars(other).values(), strict=True)
+    )
+
+
+def test_a_thin_feed_is_one_way_to_the_last_bit(tmp_path: Path) -> None:
+    """The plan leaves the gas at rest: no parcel may notice."""
+    thin = (*SHORT, f"{PARAMETERS}:loading=0.001")
+    plan = default_column(tmp_path / "plan", 6, *thin).path
+    alone = default_column(tmp_path / "alone", 6, *thin, f"{CLOUD}:solution/coupled=false").path
+    assert "gas solved      0 times" in (plan / "log.elutriaFoam").read_text()
+    assert same(read_run(plan).events, read_run(alone).events)
+
+
+def test_laminar_gas_disperses_nothing_whatever_the_model(tmp_path: Path) -> None:
+    laminar = (*SHORT, "constant/turbulenceProperties.air:simulationType=laminar")
+    model = default_column(tmp_path / "model", 6, *laminar).path
+    none = default_column(
+        tmp_path / "none", 6, *laminar, f"{CLOUD}:subModels/dispersionModel=none"
+    ).path
+    assert "dispersion      skipped" in (model / "log.elutriaFoam").read_text()
+    assert same(read_run(model).events, read_run(none).events)
+
+
+def test_spheres_without_friction_move_as_with_hardly_any(tmp_path: Path) -> None:
+    """Spin and tangential history are skipped without friction."""
+    smooth, rough = (
+        bed(tmp_path / f"{friction}", contacts(friction=friction), end=0.016, step=1e-3)[1]
+        for friction in (0, 1e-9)
+    )
+    assert np.abs(smooth.position - rough.position).max() < 1e-6  # of 1 mm
+    assert np.abs(smooth.spin).max() == 0
+    assert np.abs(rough.spin).max() > 0
+
+
+def test_parcels_so_heavy_that_they_shift_the_cut_are_told_of(tmp_path: Path) -> None:
+    """15 particles a parcel: 5000 parcels cut 2 % lower than 20 000."""
+    brief = ("feedTime=0.01", "drainTime=0.01")
+    for loading, particles, told in (1.5, 50, True), (1.5, 500, False), (0.2, 50, False):
+        settings = (f"loading={loading}", f"particles={particles}", *brief)
+        folder = tmp_path / f"{loading}-{particles}"
+        default_column(folder, 6, *(f"{PARAMETERS}:{text}" for text in settings))
+        log = (folder / "log.elutriaFoam").read_text()
+        assert ("parcels so heavy" in log) == told
 
 
 def settling_steps(case: Path) -> int:

@@ -219,7 +219,7 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
         "gas beforehand", convergeGas_ ? "settles without feed" : "skipped",
         "to " + percent(0.1*tolerance_) + " a passage"
     );
-    const bool dispersed = cloud.dispersion().active();
+    const bool dispersed = cloud.disperses();
     row
     (
         "dispersion", dispersed ? "needed" : "skipped",

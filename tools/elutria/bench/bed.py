@@ -11,6 +11,7 @@ import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +39,12 @@ NAME = "bed"
 HELP = "the Goldschmidt bed's pressure drop and height over a long time, ours beside stock's"
 
 COLUMNS = (
-    "variant", "time_step_s", "simulated_s",
-    "pressure_drop_pa", "pressure_drop_spread_pa", "pressure_drop_error_pa",
-    "mean_height_m", "mean_height_spread_m", "mean_height_error_m",
+    "variant", "time_step_s", "simulated_s", "windows",
+    "pressure_drop_pa", "pressure_drop_scatter_pa", "mean_height_m", "mean_height_scatter_m",
 )  # fmt: skip
 SERIES_COLUMNS = ("variant", "time_s", "pressure_drop_pa", "mean_height_m")
-SAMPLING = 0.01  # s between states
-LEFT_OUT = 0.1  # s after the common start
-BLOCKS = 5  # whose means give the error of the whole mean
+SAMPLING = 0.005  # s between states
+LEFT_OUT = 0.02  # s after the common start
 
 Array = NDArray[np.float64]
 
@@ -64,8 +63,7 @@ class Variant:
 START = Variant("start", "elutriaFoam", 10, "auto", 1)
 VARIANTS = (
     Variant("our contacts in DPMFoam", "DPMFoam", 1, "", 1),
-    Variant("elutriaFoam, step 10 times", "elutriaFoam", 10, "auto", 3),
-    Variant("elutriaFoam, step 15 times", "elutriaFoam", 15, "auto", 3),
+    Variant("elutriaFoam, step 10 times", "elutriaFoam", 10, "auto", 8),
 )
 
 
@@ -73,10 +71,11 @@ VARIANTS = (
 def run(options: Options) -> None:
     """Run every variant and write bed.csv, bed_series.csv, .png and .json.
 
-    `--option seconds=S`: simulated by the reference (default 0.6), elutriaFoam takes 3 times as
-    much; `--option start=S`: the bed's age at the common start (default 0.5).
+    `--option seconds=S`: simulated by the reference (default 0.1), elutriaFoam takes 8 times as
+    much: its windows of the reference's length show how far such a mean moves by itself.
+    `--option start=S`: the bed's age at the common start (default 0.5).
     """
-    seconds = float(options.extra.get("seconds", "0.12" if options.quick else "0.6"))
+    seconds = float(options.extra.get("seconds", "0.01" if options.quick else "0.1"))
     start = float(options.extra.get("start", "0.02" if options.quick else "0.5"))
     runs = options.folder / "runs"
 
@@ -92,9 +91,9 @@ def run(options: Options) -> None:
             rows.append(row)
             series.append(lines)
             options.say(
-                f"{row['variant']}: {row['pressure_drop_pa']:.1f} +- "
-                f"{row['pressure_drop_error_pa']:.1f} Pa, "
-                f"{1e3 * row['mean_height_m']:.2f} +- {1e3 * row['mean_height_error_m']:.2f} mm"
+                f"{row['variant']}: {row['pressure_drop_pa']:.0f} Pa, scatter "
+                f"{row['pressure_drop_scatter_pa']:.0f}; {1e3 * row['mean_height_m']:.2f} mm, "
+                f"scatter {1e3 * row['mean_height_scatter_m']:.2f}"
             )
     write_csv(
         options.folder / "bed_series.csv",
@@ -105,7 +104,8 @@ def run(options: Options) -> None:
             for line in lines.tolist()
         ),
     )
-    write_result(options, NAME, COLUMNS, rows, _figure(series), {"seconds": seconds})
+    notes = {"seconds": seconds, "apart_from_the_same_start": _apart(series)}
+    write_result(options, NAME, COLUMNS, rows, _figure(series), notes)
     shutil.rmtree(runs)
 
 
@@ -157,25 +157,32 @@ def _measure(
         for low, high in zip(before, at, strict=True)
     ]
     lines = np.column_stack([at, drops, heights])
-    settled = lines[at > min(LEFT_OUT, seconds / 2)]
+    left_out = min(LEFT_OUT, seconds / 2)
+    settled = lines[at > left_out]
+    windows = max(1, round((at[-1] - left_out) / (seconds - left_out)))
     row = {
         "variant": variant.name,
         "time_step_s": variant.factor * STEP,
         "simulated_s": variant.length * seconds,
-        **_statistics("pressure_drop", "pa", settled[:, 1]),
-        **_statistics("mean_height", "m", settled[:, 2]),
+        "windows": windows,
+        **_statistics("pressure_drop", "pa", settled[:, 1], windows),
+        **_statistics("mean_height", "m", settled[:, 2], windows),
     }
     return row, lines
 
 
-def _statistics(name: str, unit: str, values: Array) -> dict[str, float]:
-    """Mean, spread in time, and the mean's standard error from the means of blocks."""
-    blocks = [block.mean() for block in np.array_split(values, BLOCKS) if len(block)]
-    return {
-        f"{name}_{unit}": float(values.mean()),
-        f"{name}_spread_{unit}": float(values.std()),
-        f"{name}_error_{unit}": float(np.std(blocks, ddof=1) / np.sqrt(len(blocks))),
-    }
+def _apart(series: list[Array]) -> dict[str, float]:
+    """Root mean square of the variants' difference while both run, over their mean."""
+    one, other = (lines[: min(map(len, series)), 1:] for lines in series)
+    pressure, height = np.sqrt(((one - other) ** 2).mean(axis=0)) / one.mean(axis=0)
+    return {"pressure_drop": float(pressure), "mean_height": float(height)}
+
+
+def _statistics(name: str, unit: str, values: Array, windows: int) -> dict[str, float]:
+    """Mean, and standard deviation of the windows' means."""
+    means = [window.mean() for window in np.array_split(values, windows)]
+    scatter = float(np.std(means, ddof=1)) if windows > 1 else nan
+    return {f"{name}_{unit}": float(values.mean()), f"{name}_scatter_{unit}": scatter}
 
 
 def _figure(series: list[Array]) -> plt.Figure:

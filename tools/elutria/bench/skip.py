@@ -3,7 +3,8 @@ and all of them together, with the same particles, on three scenes. Cost is proc
 
 A column's answer is its cut; a bed's is where its spheres lie. Two runs of a turbulent, colliding
 column differ by chance: `changed_outlets` counts the parcels that left through another outlet than
-in the plan's run, and `d50_chance` is how far d50 can move by the chance of those alone.
+in the plan's run, and `d50_chance` is how far d50 can move by the chance of those alone. Beds start
+from several states: median cost, mean change of height, and its standard error as `d50_chance`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import shutil
 from collections.abc import Mapping
 from math import nan, sqrt
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -45,12 +47,12 @@ TAKEN_BACK: dict[str, Mapping[str, str]] = {
     "all of it": {**GAS_EVERY_STEP, **SOFT},
 }
 ONE_WAY = "coupling (one-way)"
-SCATTER = "nothing; other start"
 COLUMNS_SCENES = {"dilute column": 0.01, "default column": 0.2}
 
 
 def run(options: Options) -> None:
-    """Run every scene with every choice; writes skip.csv, .png and .json.
+    """Run every scene with every choice, the bed from as many starts as `--repeats`; writes
+    skip.csv, .png and .json.
 
     `--option particles=N`: particles fed to a column (default 300, quick 60).
     """
@@ -153,42 +155,44 @@ def _momentum(folder: Path) -> float:
 
 
 def _beds(options: Options) -> list[dict[str, Any]]:
-    """A settled bed: cost, and the change of its mean height over the height."""
-    rows: list[dict[str, Any]] = []
-    number = 64 if options.quick else 256
-    choices = {
-        "nothing: the plan": {},
-        "gas at rest": {"system/scenePlan:gas": "on"},
-        "contacts as impacts": contacts(treatment="soft"),
-        "all of it": {**contacts(treatment="soft"), "system/scenePlan:gas": "on"},
-        SCATTER: {},
-    }
-    height = momentum = 0.0
-    for name, settings in choices.items():
-        folder = options.folder / "runs" / "bed"
-        shutil.rmtree(folder, ignore_errors=True)
-        before = processor_time()
-        seed = 5 if name == SCATTER else 4
-        _, end, _ = bed(folder, {**contacts(), **settings}, number=number, seed=seed)
-        seconds = processor_time() - before
-        mean = float(np.mean(end.position[:, 2]))
-        size = float(np.sum(end.mass) * 0.1)  # kg m/s, as if all moved at 0.1 m/s
-        if not rows:
-            height, momentum = mean, float(end.momentum[2])
+    """Settled beds from several starts: cost, and the relative change of their mean height."""
+    number, end = (64, 0.3) if options.quick else (256, 2.0)
+    starts = max(options.repeats, 2)
+    seconds: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
+    height: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
+    momentum: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
+    for start in range(starts):
+        for name, settings in TAKEN_BACK.items():
+            folder = options.folder / "runs" / "bed"
+            shutil.rmtree(folder, ignore_errors=True)
+            before = processor_time()
+            _, spheres, _ = bed(
+                folder, {**contacts(), **settings}, number=number, end=end, seed=4 + start
+            )
+            seconds[name].append(processor_time() - before)
+            height[name].append(float(np.mean(spheres.position[:, 2])))
+            unit = float(np.sum(spheres.mass) * 0.1)  # kg m/s, as if all moved at 0.1 m/s
+            momentum[name].append(float(spheres.momentum[2]) / unit)
+        options.say(f"beds, start {start + 1} of {starts}")
+
+    plan = next(iter(TAKEN_BACK))
+    rows = []
+    for name in TAKEN_BACK:
+        change = np.array(height[name]) / height[plan] - 1
         rows.append(
             {
                 **dict.fromkeys(COLUMNS, nan),
                 "scene": "bed at rest",
                 "taken_back": name,
-                "processor_s": round(seconds, 2),
-                "cost_over_plan": seconds / rows[0]["processor_s"] if rows else 1.0,
-                "d50_m": mean,
-                "d50_change": mean / height - 1,
-                "momentum_change": (float(end.momentum[2]) - momentum) / size,
+                "processor_s": round(median(seconds[name]), 2),
+                "cost_over_plan": float(np.median(np.divide(seconds[name], seconds[plan]))),
+                "d50_m": float(np.mean(height[name])),
+                "d50_change": float(np.mean(change)),
+                "d50_chance": float(np.std(change, ddof=1) / sqrt(starts)),
+                "momentum_change": float(np.mean(np.subtract(momentum[name], momentum[plan]))),
                 "parcels": number,
             }
         )
-        options.say(f"bed, {name}: {seconds:.1f} s")
     return rows
 
 

@@ -15,7 +15,7 @@ from elutria.bench.stability_scenes import (
     CLOSED,
     GAS_DENSITY,
     GRAVITY,
-    PERIODIC,
+    WEIGHTLESS,
     Verdict,
     bed,
     colliding,
@@ -67,7 +67,7 @@ def drag_step(folder: Path, relaxations: float, ratio: float) -> Verdict:
     end = min(max(20 * step, 3 * relaxation), 200 * step)
     start = Particles.of([0.05, 0.05, 0.05], diameter=diameter, density=density)
     case = make_scene(
-        folder, start, {f"{BOX}:sides": "cyclic", **PERIODIC, f"{BOX}:gravity": -GRAVITY,
+        folder, start, {f"{BOX}:sides": "cyclic", **WEIGHTLESS, f"{BOX}:gravity": -GRAVITY,
                         **timing(step, end)},
     )  # fmt: skip
     output = solve(case)
@@ -96,7 +96,7 @@ def coupling(folder: Path, relaxations: float, loading: float) -> Verdict:
     case = make_scene(
         folder,
         start,
-        {**PERIODIC, **cube(side, 4), f"{BOX}:gasNu": viscosity / GAS_DENSITY,
+        {**WEIGHTLESS, **cube(side, 4), f"{BOX}:gasNu": viscosity / GAS_DENSITY,
          f"{CLOUD}:solution/coupled": True, "system/scenePlan:gas": True, **timing(step, end)},
     )  # fmt: skip
     output = solve(case)
@@ -186,7 +186,7 @@ def cells(folder: Path, ratio: float, number: float) -> Verdict:
     case = make_scene(
         folder,
         start,
-        {**PERIODIC, **cube(side, count), f"{CLOUD}:solution/coupled": True,
+        {**WEIGHTLESS, **cube(side, count), f"{CLOUD}:solution/coupled": True,
          "system/scenePlan:gas": True, **timing(1e-3, 0.02)},
     )  # fmt: skip
     output = solve(case)

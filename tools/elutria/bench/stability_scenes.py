@@ -27,6 +27,7 @@ from elutria.verification.scene import (
     CONTACTS,
     CONTROL,
     MODELS,
+    PERIODIC,
     Particles,
     change,
     make_scene,
@@ -39,13 +40,7 @@ Array = NDArray[np.float64]
 PATIENCE = 180
 """s: a point that takes longer has failed."""
 DENSITY, GAS_DENSITY, GRAVITY = 2650.0, 1.2, 9.80665
-PERIODIC = {
-    f"{BOX}:sides": "cyclic",
-    f"{BOX}:ends": "cyclic",
-    f"{BOX}:bottomGroup": "closed",
-    f"{BOX}:topGroup": "closed",
-    f"{BOX}:gravity": 0,
-}
+WEIGHTLESS = {**PERIODIC, f"{BOX}:gravity": 0}
 CLOSED = {
     f"{BOX}:ends": "wall",
     f"{BOX}:bottomGroup": "closed",
@@ -185,7 +180,7 @@ def colliding(
     case = make_scene(
         folder,
         start,
-        {**PERIODIC, **cube(side), f"{MODELS}/particleForces": {"gravity": {}},
+        {**WEIGHTLESS, **cube(side), f"{MODELS}/particleForces": {"gravity": {}},
          **timing(step, end), **settings},
     )  # fmt: skip
     output = solve(case)

@@ -19,6 +19,7 @@ from elutria.verification.scene import (
     CONTACTS,
     CONTROL,
     MODELS,
+    PERIODIC,
     Particles,
     make_scene,
     read_particles,
@@ -30,13 +31,6 @@ NAME = "clouds"
 HELP = "Many particles: homogeneous cooling by Haff's law, and hindered settling."
 
 Array = NDArray[np.float64]
-
-PERIODIC = {
-    f"{BOX}:sides": "cyclic",
-    f"{BOX}:ends": "cyclic",
-    f"{BOX}:bottomGroup": "closed",
-    f"{BOX}:topGroup": "closed",
-}
 
 
 @rc_context(STYLE)

@@ -51,7 +51,7 @@ def run(options: Options) -> None:
     chapter = Chapter(NAME, "Turbulent dispersion")
     with TemporaryDirectory() as work:
         _well_mixed(chapter, Path(work), 1000 if options.quick else 4000)
-        _drift(chapter, Path(work), 1000 if options.quick else 10000)
+        _drift(chapter, Path(work), 1000 if options.quick else 40000)
     write_chapter(options, chapter)
 
 

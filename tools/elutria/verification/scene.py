@@ -85,6 +85,15 @@ class Particles:
         return np.asarray(self.mass @ self.velocity)
 
 
+PERIODIC = {
+    f"{BOX}:sides": "cyclic",
+    f"{BOX}:ends": "cyclic",
+    f"{BOX}:bottomGroup": "closed",
+    f"{BOX}:topGroup": "closed",
+}
+"""Settings of a box without walls and without flow through it."""
+
+
 def make_scene(
     folder: Path,
     particles: Particles | None = None,
