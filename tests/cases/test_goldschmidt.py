@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from elutria.bench.common import run_program
-from elutria.bench.stock import TUTORIAL, copy_tutorial
+from elutria.verification.goldschmidt import TUTORIAL, copy_tutorial
 from elutria.verification.scene import CONTROL, MODELS, change, run_scene
 
 

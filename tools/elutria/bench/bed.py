@@ -21,9 +21,9 @@ from matplotlib import rc_context
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options, run_program, write_result
-from elutria.bench.stock import DENSITY, STEP, make_bed
 from elutria.files import write_csv
 from elutria.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
+from elutria.verification.goldschmidt import GAS_DENSITY, STEP, make_bed
 from elutria.verification.scene import (
     CONTROL,
     MODELS,
@@ -153,7 +153,7 @@ def _measure(
     at = np.array([float(name) for name in written])
     before = np.concatenate(([0.0], at[:-1]))
     drops = [
-        DENSITY * pressure[(pressure[:, 0] > low) & (pressure[:, 0] <= high + 1e-9), 1].mean()
+        GAS_DENSITY * pressure[(pressure[:, 0] > low) & (pressure[:, 0] <= high + 1e-9), 1].mean()
         for low, high in zip(before, at, strict=True)
     ]
     lines = np.column_stack([at, drops, heights])

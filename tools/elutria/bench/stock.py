@@ -4,7 +4,6 @@ runs of two lengths in turns (start-up drops out), and the bed's state at the en
 
 from __future__ import annotations
 
-import gzip
 import shutil
 import time
 from pathlib import Path
@@ -14,26 +13,16 @@ import numpy as np
 
 from elutria.bench.common import Options, against_stock, run_program, write_result
 from elutria.errors import InputError
-from elutria.verification.scene import (
-    CONTROL,
-    MODELS,
-    change,
-    patch_mean,
-    read_particles,
-    read_patch_mean,
-    times,
-)
+from elutria.verification.goldschmidt import GAS_DENSITY, STEP, TUTORIAL, make_bed
+from elutria.verification.scene import CONTROL, change, read_particles, read_patch_mean, times
 
 NAME = "stock"
 HELP = "the Goldschmidt bed: stock DPMFoam, our contacts in it, and elutriaFoam"
 
-TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
-STEP = 2e-5  # s, the tutorial's
 COLUMNS = (
     "variant", "time_step_s", "seconds_per_step", "low", "high", "seconds_per_simulated_second",
     "speed_over_stock", "bed_pressure_drop_pa", "bed_height_m",
 )  # fmt: skip
-DENSITY = 1.2  # kg/m3, of the tutorial's gas
 
 # what is run: solver, time step over the tutorial's, gas on every step or as the plan decides
 VARIANTS: dict[str, tuple[str, float, str]] = {
@@ -74,40 +63,6 @@ def run(options: Options) -> None:
     shutil.rmtree(options.folder / "runs")
 
 
-def copy_tutorial(case: Path) -> Path:
-    """The tutorial's files, unpacked, in a folder that is made anew."""
-    shutil.rmtree(case, ignore_errors=True)
-    shutil.copytree(TUTORIAL, case)
-    for packed in case.rglob("*.gz"):
-        packed.with_suffix("").write_bytes(gzip.decompress(packed.read_bytes()))
-        packed.unlink()
-    return case
-
-
-def make_bed(case: Path, solver: str, collisions: str, step: float, gas: str = "") -> Path:
-    """A copy of the tutorial for a solver, with `collisions` "stock" or "elutria" and a time step
-    in s; `gas` (on or auto) is the scene plan's entry, for elutriaFoam."""
-    case = copy_tutorial(case)
-    change(
-        case,
-        {
-            f"{CONTROL}:deltaT": step,
-            f"{CONTROL}:writeControl": "runTime",
-            f"{CONTROL}:writeFormat": "ascii",
-            f"{CONTROL}:writeCompression": False,
-            **patch_mean("bottom", "p"),
-        },
-    )
-    if collisions == "elutria":
-        change(case, {f"{MODELS}/collisionModel": "cellList"})
-        if solver == "DPMFoam":
-            change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
-    if gas:
-        header = "FoamFile { version 2.0; format ascii; class dictionary; object scenePlan; }\n"
-        (case / "system/scenePlan").write_text(f"{header}gas {gas};\n")
-    return case
-
-
 def _make(folder: Path, name: str) -> Path:
     """A copy of the tutorial set up for a variant."""
     solver, factor, gas = VARIANTS[name]
@@ -138,7 +93,7 @@ def _bed(case: Path) -> dict[str, float]:
     pressure = read_patch_mean(case, "bottom")
     height = read_particles(case, times(case)[-1]).position[:, 2].mean()
     return {
-        "bed_pressure_drop_pa": DENSITY * float(np.mean(pressure[len(pressure) // 2 :, 1])),
+        "bed_pressure_drop_pa": GAS_DENSITY * float(np.mean(pressure[len(pressure) // 2 :, 1])),
         "bed_height_m": float(height),
     }
 

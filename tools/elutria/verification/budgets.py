@@ -148,16 +148,17 @@ def _momentum(chapter: Chapter, folder: Path, quick: bool) -> None:
                 Row(case, "share of their momentum that particles gave away", 0, found.exchanged,
                     found.exchanged, None),
             ]  # fmt: skip
-    start = np.linalg.norm(found.particles[0])
-    along = found.particles[0] / start
+    given = found.particles[-1] - found.particles[0]
+    along = -given / np.linalg.norm(given) ** 2
     for name, momentum in (
         ("particles", found.particles), ("gas", found.gas), ("both", found.particles + found.gas)
     ):  # fmt: skip
-        axes.plot(1e3 * found.time, momentum @ along / start, "o-", markersize=2.5, label=name)
+        change = (momentum - momentum[0]) @ along
+        axes.plot(1e3 * found.time, change, "o-", markersize=2.5, label=name)
     axes.set_xlabel("time (ms)")
-    axes.set_ylabel("momentum over the particles' first")
+    axes.set_ylabel("change of momentum over\nall that was exchanged")
     axes.legend()
-    section.figures["momentum"] = (figure, f"Momentum along its first direction, {case}.")
+    section.figures["momentum"] = (figure, f"Momentum along the direction of the exchange, {case}.")
 
 
 def _mass(chapter: Chapter, folder: Path, quick: bool) -> None:

@@ -13,7 +13,7 @@ from elutria.files import read_json, write_text
 ROW_COLUMNS = ("case", "checked", "reference", "ours", "error", "allowed", "peers", "verdict")
 SUMMARY_COLUMNS = ("case", "rows that pass", "largest error over allowed", "peers", "verdict")
 ORDER = ("contacts", "impacts", "settling", "drag", "clouds", "bed", "fluidised",
-         "profiles", "dispersion", "wake", "budgets", "classification")  # fmt: skip
+         "goldschmidt", "profiles", "dispersion", "wake", "budgets", "classification")  # fmt: skip
 
 STYLE = """body{font:15px/1.45 sans-serif;max-width:70em;margin:2em auto;padding:0 1em}
 table{border-collapse:collapse;font-size:13px;margin:.8em 0}
