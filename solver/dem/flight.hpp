@@ -81,12 +81,6 @@ struct Flight
         const double a = norm(acceleration), s = rate*time;
         return a*time*time*(s > 2.8284271247461903 ? 1/(s*s) : 0.125);
     }
-
-    /// Bound of the distance between path and tangent `time` ahead, m: min(A t^2/2, A t/k).
-    double tangentDeviation(double time) const
-    {
-        return norm(acceleration)*time*std::min(0.5*time, rate*time > 2 ? 1/rate : 0.5*time);
-    }
 };
 
 } // namespace elutria::dem

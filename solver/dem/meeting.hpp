@@ -8,13 +8,14 @@
 // When do two particles in free flight, or a particle and a piece of wall, touch first?
 //
 // The distance of a point that moves straight from a convex body is a convex function of time, so
-// its tangent bounds it from below; what the flights' curvature can add is bounded by
-// Flight::tangentDeviation. With gap g, its rate g' and that bound D(s),
+// its tangent bounds it from below. Of the flights' curvature only what points along the shortest
+// way n between the two can close the gap further: the body lies behind the plane across n. With gap
+// g, its rate g' and a bound D(s) of what the accelerations do along n,
 //   gap(t + s) >= g + g' s - D(s)  until s,
 // so a step to the root of the right side never passes the first touch, and steps repeat until the
 // gap is closed, quadratically where the flights meet head-on. D is bounded in two ways:
-//   D <= A s^2/2  root s = 2 g/(sqrt(g'^2 + 2 A g) - g')   A = sum of the accelerations
-//   D <= B s      root s = g/(B - g')                      B = sum of the speeds still to be gained
+//   D <= A s^2/2  root s = 2 g/(sqrt(g'^2 + 2 A g) - g')   A = acceleration along n
+//   D <= B s      root s = g/(B - g')                      B = speed along n still to be gained
 
 namespace elutria::dem
 {
@@ -32,10 +33,9 @@ namespace detail
 
 struct Curvature { double acceleration, speed; };   // A, B
 
-inline Curvature curvature(const Flight& f)
+inline Curvature curvature(double acceleration, double rate)
 {
-    const double a = norm(f.acceleration);
-    return {a, f.rate > 0 ? a/f.rate : never};
+    return {acceleration, rate > 0 ? acceleration/rate : never};
 }
 
 inline double safeStep(double gap, double rate, const Curvature& c)
@@ -68,6 +68,14 @@ Meeting march(double time, double end, double closed, State state)
 
 struct Approach { double gap, rate; Curvature curvature; };
 
+/// From one to the other; where they are in one place, away from each other.
+inline Vector3 direction(const Vector3& apart, double length, const Vector3& velocity)
+{
+    if (length > 0) return (1/length)*apart;
+    const double speed = norm(velocity);
+    return speed > 0 ? (1/speed)*velocity : Vector3{};
+}
+
 } // namespace detail
 
 
@@ -83,26 +91,20 @@ inline Meeting meeting(const Flight& a, const Flight& b, const Vector3& offset, 
         const Flight p = a.at(t), q = b.at(t);
         const Vector3 d = p.position - q.position - offset;
         const double length = norm(d);
-        detail::Curvature c;
-        if (a.rate == b.rate)
+        const Vector3 n = detail::direction(d, length, p.velocity - q.velocity);
+        const double first = dot(p.acceleration, n), second = dot(q.acceleration, n);
+        detail::Curvature c = detail::curvature(std::max(second - first, 0.0), a.rate);
+        if (a.rate != b.rate)
         {
-            c.acceleration = norm(p.acceleration - q.acceleration);
-            c.speed = a.rate > 0 ? c.acceleration/a.rate : never;
-        }
-        else
-        {
-            const detail::Curvature u = detail::curvature(p), v = detail::curvature(q);
+            const detail::Curvature u = detail::curvature(std::abs(first), a.rate),
+                                    v = detail::curvature(std::abs(second), b.rate);
             // With different rates k, A e^(-kt) spread by at most |dk| t before the end.
             const double spread = -std::expm1(-std::abs(a.rate - b.rate)*(end - t));
             c.acceleration = std::min(u.acceleration + v.acceleration,
-                norm(p.acceleration - q.acceleration)
-                + spread*std::min(u.acceleration, v.acceleration));
+                std::abs(first - second) + spread*std::min(u.acceleration, v.acceleration));
             c.speed = std::max(u.speed, v.speed) < 1e100 ? u.speed + v.speed : never;
         }
-        const double rate =
-            length > 0 ? dot(p.velocity - q.velocity, d)/length
-                       : norm(p.velocity - q.velocity);
-        return detail::Approach{length - distance, rate, c};
+        return detail::Approach{length - distance, dot(p.velocity - q.velocity, n), c};
     });
 }
 
@@ -118,9 +120,10 @@ Meeting wallMeeting(const Flight& a, double radius, double begin, double end,
         const Flight p = a.at(t);
         const Vector3 d = p.position - nearestPoint(p.position);
         const double length = norm(d);
-        const double rate =
-            length > 0 ? dot(p.velocity, d)/length : norm(p.velocity);
-        return detail::Approach{length - radius, rate, detail::curvature(p)};
+        const Vector3 n = detail::direction(d, length, p.velocity);
+        const double closing = std::max(-dot(p.acceleration, n), 0.0);
+        return detail::Approach{length - radius, dot(p.velocity, n),
+                                detail::curvature(closing, p.rate)};
     });
 }
 

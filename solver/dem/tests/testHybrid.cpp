@@ -436,6 +436,26 @@ TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
     CHECK(energy[1] < 1e-4*whole);
 }
 
+TEST_CASE("hybrid: a sphere that falls along a wall, just clear of it, takes no sub-steps")
+{
+    WallGeometry wall;
+    shapes::addSheet(wall, {0, -1, -1}, {0, 2, 0}, {0, 0, 2}, 4, 4);
+    Particles p;
+    const double radius = 5e-4;
+    scenes::addSphere(p, {(1 + 1e-6)*radius, 0.1, 0.9}, radius, 2650);
+    scenes::addSphere(p, {(3 + 2e-6)*radius, 0.1, 0.9}, radius, 2650);    // and along another
+    addGravity(p);
+    p.gasVelocity.assign(2, {0, 0, 8});
+    p.dragRate = {0.8, 0.9};
+    Engine engine(with(ContactTreatment::automatic), grains(0.8, 0), Walls(wall));
+    for (int k = 0; k < 100; ++k)
+    {
+        const StepReport report = engine.advance(p, 4e-3);
+        REQUIRE(report.subSteps + report.impacts == 0);
+    }
+    CHECK(p.position[0].x == doctest::Approx((1 + 1e-6)*radius).epsilon(1e-9));
+}
+
 TEST_CASE("hybrid: a particle in a corner stays there and rests")
 {
     const Walls walls(shapes::box({0, 0, 0}, {0.01, 0.01, 0.01}, 3));
