@@ -80,13 +80,20 @@ def _panel(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
 def _label(axes: Axes, best: Sequence[Row], quantity: str) -> None:
     """Names of the front's points in a column of their own, in their order from the top."""
     low, high = np.log(axes.get_ylim())
+    order = sorted(best, key=lambda row: -known_error(row, quantity))
+    names = [textwrap.wrap(row["point"].replace("gas by cells", "cells"), 25) for row in order]
+    halves = [0.5 * LINE * len(lines) for lines in names]
+    places = []
     top = 1.0
-    for row in sorted(best, key=lambda row: -known_error(row, quantity)):
-        lines = textwrap.wrap(row["point"].replace("gas by cells", "cells"), 25)
-        half = 0.5 * LINE * len(lines)
+    for row, half in zip(order, halves, strict=True):
         own = (np.log(known_error(row, quantity)) - low) / (high - low)
-        place = min(own, top - half)
-        top = place - half - 0.01
+        places.append(min(own, top - half))
+        top = places[-1] - half - 0.01
+    bottom = 0.01
+    for k in reversed(range(len(places))):
+        places[k] = max(places[k], bottom + halves[k])
+        bottom = places[k] + halves[k] + 0.01
+    for row, lines, place in zip(order, names, places, strict=True):
         name = axes.annotate(
             "\n".join(lines),
             (row["seconds"], known_error(row, quantity)),

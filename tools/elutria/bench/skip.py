@@ -38,7 +38,8 @@ COLUMNS = (
 )  # fmt: skip
 
 CLOUD = "constant/kinematicCloudProperties"
-GAS_EVERY_STEP = {"system/scenePlan:gas": "on"}
+GAS = "system/scenePlan:gas"
+GAS_EVERY_STEP = {GAS: "on"}
 SOFT = {f"{CLOUD}:subModels/cellListCoeffs/treatment": "soft"}
 TAKEN_BACK: dict[str, Mapping[str, str]] = {
     "nothing: the plan": {},
@@ -165,9 +166,10 @@ def _beds(options: Options) -> list[dict[str, Any]]:
         for name, settings in TAKEN_BACK.items():
             folder = options.folder / "runs" / "bed"
             shutil.rmtree(folder, ignore_errors=True)
+            gas = {GAS: True if GAS in settings else "auto"}  # foamlib's word for on
             before = processor_time()
             _, spheres, _ = bed(
-                folder, {**contacts(), **settings}, number=number, end=end, seed=4 + start
+                folder, {**contacts(), **settings, **gas}, number=number, end=end, seed=4 + start
             )
             seconds[name].append(processor_time() - before)
             height[name].append(float(np.mean(spheres.position[:, 2])))
