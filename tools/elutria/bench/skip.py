@@ -55,9 +55,10 @@ def run(options: Options) -> None:
     """Run every scene with every choice, the bed from as many starts as `--repeats`; writes
     skip.csv, .png and .json.
 
-    `--option particles=N`: particles fed to a column (default 300, quick 60).
+    `--option particles=N`: parcels fed to a column, as many in each size class (default 1000,
+    quick 60).
     """
-    number = int(options.extra.get("particles", "60" if options.quick else "300"))
+    number = int(options.extra.get("particles", "60" if options.quick else "1000"))
     rows: list[dict[str, Any]] = []
     for scene, loading in COLUMNS_SCENES.items():
         choices = {**TAKEN_BACK, ONE_WAY: {f"{CLOUD}:solution/coupled": "false"}}
@@ -76,11 +77,11 @@ def run(options: Options) -> None:
 def _column(
     folder: Path, loading: float, number: int, settings: Mapping[str, str]
 ) -> tuple[float, Run]:
-    """Processor seconds and the events of the default column, real particles one by one."""
+    """Processor seconds and the events of the default column, fed for half a second."""
     shutil.rmtree(folder, ignore_errors=True)
     chosen = {
         "system/simulationParameters:loading": f"{loading:g}",
-        "system/simulationParameters:parcels": "particles",
+        "system/simulationParameters:feedTime": "0.5",
         "system/simulationParameters:particles": str(number),
         "system/simulationParameters:drainTime": "0.6",
         **settings,
