@@ -83,7 +83,6 @@ def _column(
         "system/simulationParameters:loading": f"{loading:g}",
         "system/simulationParameters:feedTime": "0.5",
         "system/simulationParameters:particles": str(number),
-        "system/simulationParameters:drainTime": "0.6",
         **settings,
     }
     before = processor_time()
