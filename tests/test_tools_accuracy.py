@@ -18,7 +18,8 @@ from elutria.bench.accuracy_error import (
     front,
 )
 from elutria.bench.accuracy_forms import closed_forms
-from elutria.bench.accuracy_runs import FAST, SLOW, STEP, Point, make_case, slug, step
+from elutria.bench.accuracy_runs import FAST, SLOW, STEP, Point, make_case, step
+from elutria.bench.common import slug
 from elutria.bench.uncertainty import inlet
 from elutria.case import Case
 from elutria.dictionary import read_dictionary

@@ -13,7 +13,7 @@ from elutria.case import PARAMETERS, Case
 from elutria.events import Events, read_run
 from elutria.run import run_case
 from elutria.verification.classification import GRAINS, loaded
-from elutria.verification.scene import read_gas, times
+from elutria.verification.scene import CLOUD, read_gas, times
 
 
 @pytest.mark.parametrize(("start", "end"), [(3, 6), (6, 3), (0.1, 5)])
@@ -27,7 +27,7 @@ def test_gas_at_rest_wakes_when_its_inlet_changes(tmp_path: Path, start: float, 
 
 
 def test_gas_at_rest_leaves_the_products_as_they_are(tmp_path: Path) -> None:
-    """600 grains within 20 % of the cut, solved on every step and as the plan decides."""
+    """Grains within 20 % of the cut, solved on every step and as the plan decides."""
     every = loaded(tmp_path / "every", 0.2, "four-way")
     plan = loaded(tmp_path / "plan", 0.2, "four-way", gas="auto")
     assert len(plan) == len(every) == GRAINS
@@ -57,7 +57,6 @@ def test_gas_that_starts_from_its_neighbours_settles_sooner_to_the_same(tmp_path
 
 
 SHORT = tuple(f"{PARAMETERS}:{text}" for text in ("particles=100", "feedTime=0.2", "drainTime=0.3"))
-CLOUD = "constant/kinematicCloudProperties"
 
 
 def same(one: Events, other: Events) -> bool:

@@ -36,10 +36,9 @@ from elutria.bench.accuracy_runs import (
     Done,
     Scene,
     run_point,
-    slug,
 )
 from elutria.bench.accuracy_stock import run_mppic, stock_like, stretches
-from elutria.bench.common import Options, write_result
+from elutria.bench.common import Options, slug, write_result
 from elutria.errors import ElutriaError
 from elutria.files import write_text
 from elutria.plots import STYLE

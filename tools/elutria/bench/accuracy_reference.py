@@ -18,9 +18,8 @@ from elutria.bench.accuracy_runs import (
     SLOW,
     Scene,
     replicates,
-    slug,
 )
-from elutria.bench.common import machine, project_root
+from elutria.bench.common import machine, project_root, slug
 from elutria.errors import InputError
 from elutria.files import read_csv, write_csv
 

@@ -136,11 +136,6 @@ class Done:
     seconds: float
 
 
-def slug(*names: str) -> str:
-    """Names as a folder's name."""
-    return re.sub(r"[^a-z0-9.]+", "-", " ".join(names).lower()).strip("-")
-
-
 def run_point(folder: Path, scene: Scene, point: Point, parcels: int, seed: int = 1) -> Done:
     """Run a point in FOLDER/run; what is finished there is not run again."""
     return measured(make_case(folder, scene, point, parcels, seed), folder / "run")

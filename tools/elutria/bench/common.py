@@ -118,6 +118,11 @@ def run_program(arguments: Sequence[str | Path], folder: Path | None = None) -> 
     return done.stdout
 
 
+def slug(*names: str) -> str:
+    """Names as a folder's name."""
+    return re.sub(r"[^a-z0-9.]+", "-", " ".join(names).lower()).strip("-")
+
+
 def project_root() -> Path:
     """The clone that this package lies in. Raises InputError when it does not lie in one."""
     root = Path(__file__).resolve().parents[3]

@@ -27,6 +27,7 @@ from elutria.events import COLUMNS as EVENT_COLUMNS
 from elutria.events import Run, read_run
 from elutria.files import read_csv
 from elutria.run import run_case
+from elutria.verification.scene import CLOUD, CONTACTS
 
 NAME = "skip"
 HELP = "what each skip of the scene plan saves, and what it changes"
@@ -37,10 +38,9 @@ COLUMNS = (
     "changed_outlets", "parcels",
 )  # fmt: skip
 
-CLOUD = "constant/kinematicCloudProperties"
 GAS = "system/scenePlan:gas"
 GAS_EVERY_STEP = {GAS: "on"}
-SOFT = {f"{CLOUD}:subModels/cellListCoeffs/treatment": "soft"}
+SOFT = {f"{CONTACTS}/treatment": "soft"}
 TAKEN_BACK: dict[str, Mapping[str, str]] = {
     "nothing: the plan": {},
     "gas at rest": GAS_EVERY_STEP,

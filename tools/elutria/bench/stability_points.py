@@ -15,7 +15,6 @@ from elutria.bench.stability_scenes import (
     CLOSED,
     GAS_DENSITY,
     GRAVITY,
-    WEIGHTLESS,
     Verdict,
     bed,
     colliding,
@@ -32,6 +31,8 @@ from elutria.bench.stability_scenes import (
 from elutria.verification.scene import (
     BOX,
     CLOUD,
+    PERIODIC,
+    WEIGHTLESS,
     Particles,
     make_scene,
     read_gas,
@@ -66,10 +67,7 @@ def drag_step(folder: Path, relaxations: float, ratio: float) -> Verdict:
     step = relaxation / relaxations
     end = min(max(20 * step, 3 * relaxation), 200 * step)
     start = Particles.of([0.05, 0.05, 0.05], diameter=diameter, density=density)
-    case = make_scene(
-        folder, start, {f"{BOX}:sides": "cyclic", **WEIGHTLESS, f"{BOX}:gravity": -GRAVITY,
-                        **timing(step, end)},
-    )  # fmt: skip
+    case = make_scene(folder, start, {**PERIODIC, f"{BOX}:gravity": -GRAVITY, **timing(step, end)})
     output = solve(case)
     nothing_wrong(case, output)
     speed = -float(read_particles(case, times(case)[-1]).velocity[0, 2])

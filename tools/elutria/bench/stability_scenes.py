@@ -27,7 +27,7 @@ from elutria.verification.scene import (
     CONTACTS,
     CONTROL,
     MODELS,
-    PERIODIC,
+    WEIGHTLESS,
     Particles,
     change,
     make_scene,
@@ -40,7 +40,6 @@ Array = NDArray[np.float64]
 PATIENCE = 180
 """s: a point that takes longer has failed."""
 DENSITY, GAS_DENSITY, GRAVITY = 2650.0, 1.2, 9.80665
-WEIGHTLESS = {**PERIODIC, f"{BOX}:gravity": 0}
 CLOSED = {
     f"{BOX}:ends": "wall",
     f"{BOX}:bottomGroup": "closed",

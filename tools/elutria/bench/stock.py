@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from elutria.bench.common import Options, against_stock, run_program, write_result
+from elutria.bench.common import Options, against_stock, run_program, slug, write_result
 from elutria.errors import InputError
 from elutria.verification.goldschmidt import GAS_DENSITY, STEP, TUTORIAL, make_bed
 from elutria.verification.scene import CONTROL, change, read_particles, read_patch_mean, times
@@ -66,13 +66,10 @@ def run(options: Options) -> None:
 def _make(folder: Path, name: str) -> Path:
     """A copy of the tutorial set up for a variant."""
     solver, factor, gas = VARIANTS[name]
-    case = make_bed(
-        folder / name.replace(" ", "-").replace(",", ""),
-        solver,
-        "stock" if name == STOCK else "elutria",
-        factor * STEP,
-        gas,
-    )
+    case = make_bed(folder / slug(name), solver, factor * STEP, ours=name != STOCK)
+    if gas:
+        header = "FoamFile { version 2.0; format ascii; class dictionary; object scenePlan; }\n"
+        (case / "system/scenePlan").write_text(f"{header}gas {gas};\n")
     run_program(["blockMesh"], case)
     return case
 

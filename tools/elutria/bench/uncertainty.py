@@ -18,7 +18,8 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from elutria.bench.accuracy_error import Cut, cut_of_events
-from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, run_point, slug
+from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, run_point
+from elutria.bench.common import slug
 from elutria.errors import ElutriaError
 from elutria.plots import COLUMN_WIDTH
 from elutria.verification.scene import BOX, CONTACTS, MODELS

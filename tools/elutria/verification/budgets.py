@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from elutria.bench.common import Options, project_root
 from elutria.case import PARAMETERS, Case
+from elutria.drag import Gas
 from elutria.plots import STYLE, new_figure
 from elutria.run import run_case
 from elutria.verification.book import Chapter, Row, write_chapter
@@ -20,7 +21,7 @@ from elutria.verification.scene import (
     BOX,
     CLOUD,
     CONTROL,
-    PERIODIC,
+    WEIGHTLESS,
     Particles,
     make_scene,
     read_gas,
@@ -34,7 +35,6 @@ HELP = "Budgets: momentum of gas and particles together, mass of what was fed."
 
 Array = NDArray[np.float64]
 
-GAS_DENSITY = 1.2
 # One outer corrector leaves what the void fraction's change in the step does to the flux
 ALLOWED = {1: 1e-4, 4: 1e-8}
 LEDGER_ALLOWED = {"number": 1e-12, "mass_kg": 1e-9}
@@ -49,17 +49,20 @@ class Exchange:
     particles: Array
 
     @property
+    def given(self) -> Array:
+        """Momentum (kg m/s) that the particles have given away at the end."""
+        return np.asarray(self.particles[0] - self.particles[-1])
+
+    @property
     def exchanged(self) -> float:
-        """Momentum that the particles have given away at the end, over what they had."""
-        given = self.particles[-1] - self.particles[0]
-        return float(np.linalg.norm(given) / np.linalg.norm(self.particles[0]))
+        """Size of it over that of what they had."""
+        return float(np.linalg.norm(self.given) / np.linalg.norm(self.particles[0]))
 
     @property
     def drift(self) -> float:
         """Change of the total over the momentum exchanged."""
         total = self.gas + self.particles
-        given = self.particles[-1] - self.particles[0]
-        return float(np.linalg.norm(total[-1] - total[0]) / np.linalg.norm(given))
+        return float(np.linalg.norm(total[-1] - total[0]) / np.linalg.norm(self.given))
 
 
 def exchange(folder: Path, outer: int, number: int = 400, writes: int = 1) -> Exchange:
@@ -75,8 +78,7 @@ def exchange(folder: Path, outer: int, number: int = 400, writes: int = 1) -> Ex
         folder,
         start,
         {
-            **PERIODIC,
-            f"{BOX}:gravity": 0,
+            **WEIGHTLESS,
             **{f"{BOX}:{name}": side for name in ("width", "depth", "height")},
             f"{BOX}:cellsAcross": cells,
             f"{BOX}:cellsAlong": cells,
@@ -90,7 +92,7 @@ def exchange(folder: Path, outer: int, number: int = 400, writes: int = 1) -> Ex
     )
     run_scene(case)
     written = [time for time in times(case) if float(time) > 0]
-    cell = GAS_DENSITY * side**3 / cells**3
+    cell = Gas().density * side**3 / cells**3
     gas = [
         cell * (read_gas(case, time, "alpha.air") * read_gas(case, time)).sum(axis=0)
         for time in written
@@ -148,8 +150,7 @@ def _momentum(chapter: Chapter, folder: Path, quick: bool) -> None:
                 Row(case, "share of their momentum that particles gave away", 0, found.exchanged,
                     found.exchanged, None),
             ]  # fmt: skip
-    given = found.particles[-1] - found.particles[0]
-    along = -given / np.linalg.norm(given) ** 2
+    along = found.given / np.linalg.norm(found.given) ** 2
     for name, momentum in (
         ("particles", found.particles), ("gas", found.gas), ("both", found.particles + found.gas)
     ):  # fmt: skip

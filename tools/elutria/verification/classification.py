@@ -169,6 +169,14 @@ def _shares(events: Events, edges: Array) -> Array:
     return np.bincount(where, left.is_coarse, classes) / np.bincount(where, minlength=classes)
 
 
+def _difference(case: str, alone: Array, share: Array) -> Row:
+    """How far a partition curve is from the one-way curve, for information."""
+    return Row(
+        case, "mean share to coarse; error: mean absolute difference over the sizes",
+        float(alone.mean()), float(share.mean()), float(np.abs(share - alone).mean()), None,
+    )  # fmt: skip
+
+
 def _vanishing_feed(chapter: Chapter, folder: Path, quick: bool) -> None:
     section = chapter.section(
         "Vanishing feed: action on the gas, and collisions",
@@ -197,12 +205,8 @@ def _vanishing_feed(chapter: Chapter, folder: Path, quick: bool) -> None:
         differences = []
         for loading, style in zip(loadings, ("-", "--", ":"), strict=False):
             share = _shares(loaded(folder / f"{coupling}{loading}", loading, coupling), edges)
-            differences.append(float(np.abs(share - alone).mean()))
-            section.rows.append(
-                Row(f"{coupling}, loading {loading:g}",
-                    "mean share to coarse; error: mean absolute difference over the sizes",
-                    float(alone.mean()), float(share.mean()), differences[-1], None)
-            )  # fmt: skip
+            section.rows.append(_difference(f"{coupling}, loading {loading:g}", alone, share))
+            differences.append(section.rows[-1].error)
             panels[0].plot(sizes, share, style, color=colour, lw=0.8,
                            label=f"{coupling}, {loading:g}")  # fmt: skip
         slope, intercept = np.polyfit(loadings, differences, 1)
@@ -219,11 +223,7 @@ def _vanishing_feed(chapter: Chapter, folder: Path, quick: bool) -> None:
                        color=colour, lw=0.8)  # fmt: skip
     both = ladders["two-way"][-1]
     share = _shares(loaded(folder / "both", both, "four-way"), edges)
-    section.rows.append(
-        Row(f"four-way, loading {both:g}",
-            "mean share to coarse; error: mean absolute difference over the sizes",
-            float(alone.mean()), float(share.mean()), float(np.abs(share - alone).mean()), None)
-    )  # fmt: skip
+    section.rows.append(_difference(f"four-way, loading {both:g}", alone, share))
     panels[0].set_xlabel("diameter, µm")
     panels[0].set_ylabel("partition to coarse")
     panels[0].legend(fontsize=6)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import gzip
 import shutil
+from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib import rc_context
+from numpy.typing import NDArray
 
 from elutria.bench.common import Options, run_program
 from elutria.errors import InputError
@@ -29,6 +31,8 @@ from elutria.verification.scene import (
 NAME = "goldschmidt"
 HELP = "Goldschmidt's bed, OpenFOAM's tutorial: the pressure drop carries the bed."
 
+Array = NDArray[np.float64]
+
 TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
 STEP = 2e-5  # s, the tutorial's
 GAS_DENSITY = 1.2  # kg/m3
@@ -47,9 +51,8 @@ def copy_tutorial(case: Path) -> Path:
     return case
 
 
-def make_bed(case: Path, solver: str, collisions: str, step: float, gas: str = "") -> Path:
-    """A copy of the tutorial for a solver, with `collisions` "stock" or "elutria" and a time step
-    in s; `gas` (on or auto) is the scene plan's entry, for elutriaFoam."""
+def make_bed(case: Path, solver: str, step: float, ours: bool = True) -> Path:
+    """A copy of the tutorial for a solver and a time step (s), with our contacts or stock's."""
     case = copy_tutorial(case)
     change(
         case,
@@ -61,14 +64,34 @@ def make_bed(case: Path, solver: str, collisions: str, step: float, gas: str = "
             **patch_mean("bottom", "p"),
         },
     )
-    if collisions == "elutria":
+    if ours:
         change(case, {f"{MODELS}/collisionModel": "cellList"})
         if solver == "DPMFoam":
             change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
-    if gas:
-        header = "FoamFile { version 2.0; format ascii; class dictionary; object scenePlan; }\n"
-        (case / "system/scenePlan").write_text(f"{header}gas {gas};\n")
     return case
+
+
+@dataclass(frozen=True)
+class History:
+    """A bed's states at the written times (s): momentum upwards (kg m/s), mean height (m); and
+    rows of time (s) and pressure drop (Pa) at every step."""
+
+    time: Array
+    momentum: Array
+    height: Array
+    pressure_drop: Array
+
+
+def read_history(case: Path) -> History:
+    """What a run of make_bed()'s case has written."""
+    written = [name for name in times(case) if float(name) > 0]
+    states = [read_particles(case, name) for name in written]
+    return History(
+        np.array([float(name) for name in written]),
+        np.array([state.momentum[2] for state in states]),
+        np.array([state.position[:, 2].mean() for state in states]),
+        read_patch_mean(case, "bottom") * (1, GAS_DENSITY),
+    )
 
 
 @rc_context(STYLE)
@@ -88,20 +111,16 @@ def run(options: Options) -> None:
     )
     left_out, end = (0.01, 0.03) if options.quick else (0.3, 0.8)
     with TemporaryDirectory() as work:
-        case = make_bed(Path(work) / "bed", "elutriaFoam", "elutria", 10 * STEP, "auto")
+        case = make_bed(Path(work) / "bed", "elutriaFoam", 10 * STEP)
         change(case, {f"{CONTROL}:endTime": end, f"{CONTROL}:writeInterval": 0.01})
         run_program(["blockMesh"], case)
         run_scene(case)
-        series = read_patch_mean(case, "bottom")
-        written = [name for name in times(case) if float(name) > 0]
-        states = [read_particles(case, name) for name in written]
-    at = np.array([float(name) for name in written])
-    momentum = np.array([state.momentum[2] for state in states])
-    height = np.array([state.position[:, 2].mean() for state in states])
+        bed = read_history(case)
 
-    kept = at >= left_out - 1e-9
-    drop = GAS_DENSITY * series[series[:, 0] >= left_out, 1].mean()
-    gain = (momentum[kept][-1] - momentum[kept][0]) / (at[kept][-1] - at[kept][0]) / SECTION
+    kept = bed.time >= left_out - 1e-9
+    drop = bed.pressure_drop[bed.pressure_drop[:, 0] >= left_out, 1].mean()
+    (first, last), (start, stop) = bed.momentum[kept][[0, -1]], bed.time[kept][[0, -1]]
+    gain = (last - first) / (stop - start) / SECTION
     case_name = f"mean from {left_out:g} to {end:g} s"
     section.rows += [
         Row.relative(case_name, "pressure drop less gain in momentum, Pa", WEIGHT, drop - gain,
@@ -109,11 +128,11 @@ def run(options: Options) -> None:
         Row.relative(case_name, "pressure drop alone, Pa", WEIGHT, drop, None),
     ]  # fmt: skip
     figure, (above, below) = new_figure(90, rows=2, sharex=True)
-    above.plot(series[:, 0], GAS_DENSITY * series[:, 1], linewidth=0.6)
+    above.plot(*bed.pressure_drop.T, linewidth=0.6)
     above.axhline(WEIGHT, color="k", linestyle=":", linewidth=0.8)
     above.set_ylabel("pressure drop (Pa)")
     above.set_ylim(0, 2 * WEIGHT)
-    below.plot(at, 1e3 * height)
+    below.plot(bed.time, 1e3 * bed.height)
     below.set_ylabel("mean height (mm)")
     below.set_xlabel("time (s)")
     section.figures["bed"] = (figure, "Pressure drop (dotted: the bed's weight) and mean height.")

@@ -92,6 +92,7 @@ PERIODIC = {
     f"{BOX}:topGroup": "closed",
 }
 """Settings of a box without walls and without flow through it."""
+WEIGHTLESS = {**PERIODIC, f"{BOX}:gravity": 0}
 
 
 def make_scene(
