@@ -6,8 +6,8 @@ get 95 % intervals from the profile likelihood: all values that a likelihood-rat
 reject at 5 %. Statistical weights enter relative to parcels of like size, since a choice by size
 alone tells nothing about T(d), and their spread lowers the effective number of events (Kish).
 
-When every coarse parcel is larger than every fine one, the curve is a step somewhere in the gap:
-the interval is the gap.
+When every coarse parcel is larger than every fine one, the likeliest curve is a step in the gap,
+but no certain one: the intervals hold what the models' likelihood does not reject beside it.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LEVELS = (0.25, 0.50, 0.75)
+_BELT = (0.01, 0.05, 0.1, 0.25, 0.50, 0.75, 0.9, 0.95, 0.99)
 _THRESHOLD = float(chdtri(1, 0.05))
 
 
@@ -105,12 +106,12 @@ class PartitionFit:
     """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one.
 
     A size is nan where the curve does not reach its level within the sizes that left; an interval
-    that the events do not close ends at 0 or inf. `gap` holds the sizes between which a step lies.
+    that the events do not close ends at 0 or inf. `parted` holds the events of a step.
     """
 
     ranked: list[CurveFit]
     sizes: dict[float, tuple[float, float, float]]
-    gap: tuple[float, float] | None = None
+    parted: Likelihood | None = None
 
     @property
     def best(self) -> CurveFit | None:
@@ -126,9 +127,13 @@ class PartitionFit:
         """
         best = self.ranked[0]
         share = best.share(diameter)
-        if self.gap is not None:
-            inside = (diameter > self.gap[0]) & (diameter < self.gap[1])
-            return share, np.where(inside, 0.0, share), np.where(inside, 1.0, share)
+        if self.parted is not None:
+            ends = [_step_interval(self.parted, MODELS, level) for level in _BELT]
+            lowest, highest = np.maximum.accumulate(np.log(np.clip(ends, 1e-12, 1e12)), axis=0).T
+            at = np.log(diameter)
+            low = np.interp(at, highest, _BELT, left=0, right=1)
+            high = np.interp(at, lowest, _BELT, left=0, right=1)
+            return share, np.minimum(low, share), np.maximum(high, share)
         low, high = share.copy(), share.copy()
         likeliest = max(fit.log_likelihood for fit in self.ranked)
         # a bypass that ended at 0 may have no covariance: the curve without it says the same
@@ -177,10 +182,10 @@ def fit_partition(
     nothing = dict.fromkeys(LEVELS, (nan, nan, nan))
     if coarse.all() or not coarse.any():
         return PartitionFit([], nothing)
-    step = _step(diameter, coarse)
-    if step is not None:
-        return step
     likelihood = Likelihood(np.log(diameter), coarse, relative_weights(diameter, weight))
+    low, high = _gap(likelihood)
+    if low < high:
+        return _step(likelihood, models, intervals)
     start = _start(likelihood)
     fits = [_fit(likelihood, model, bypass, start) for model in models for bypass in (False, True)]
     # a bypass is known only where sizes that the cut itself sends to fines were seen
@@ -257,32 +262,40 @@ def _interval(likelihood: Likelihood, ranked: list[CurveFit], level: float) -> t
     ends: list[float] = []
     for fit in ranked:
         slack = _THRESHOLD - (fit.aic - ranked[0].aic)
-        if slack > 0 and isfinite(fit.diameter_at(level)):
-            ends += _profile_interval(likelihood, fit, level, slack)
+        at = fit.diameter_at(level)
+        if slack > 0 and isfinite(at):
+            assert fit.model is not None
+            best = np.array([log(at), fit.log_shape, fit.bypass])
+            free = [1, 2][: fit.parameters - 1]
+            ends += _profile_interval(
+                likelihood, fit.model, fit.log_likelihood, best, free, level, slack
+            )
     return float(np.min(ends)), float(np.max(ends))
 
 
 def _profile_interval(
-    likelihood: Likelihood, fit: CurveFit, level: float, slack: float
+    likelihood: Likelihood,
+    model: Model,
+    highest: float,
+    best: Array,
+    free: list[int],
+    level: float,
+    slack: float,
 ) -> tuple[float, float]:
-    """Diameters at `level` costing the fit less than `slack` in 2 ln L; open ends are 0 and inf."""
-    model = fit.model
-    assert model is not None
-    best = log(fit.diameter_at(level))
-    free = [1, 2][: fit.parameters - 1]
+    """Diameters at `level` costing less than `slack` in 2 ln L from the `highest`, which is that of
+    `best` (ln d at the level, ln s, bypass), the `free` others at their best; open ends are 0 and
+    inf."""
 
     def lack(log_d: float, start: Array) -> tuple[float, Array]:
-        """2 (ln L max - ln L) at the given ln d, the other parameters at their best."""
         begin = np.array([log_d, start[1], start[2]])
-        highest = min(MAX_BYPASS, level - 1e-3)
-        p, value = maximize(likelihood, model, begin, free, highest, level, tolerance=1e-3)
-        return 2 * (fit.log_likelihood - value), p
+        most = min(MAX_BYPASS, level - 1e-3)
+        p, value = maximize(likelihood, model, begin, free, most, level, tolerance=1e-3)
+        return 2 * (highest - value), p
 
-    nuisance = np.array([best, fit.log_shape, fit.bypass])
-    low = _crossing(lambda t, p: lack(best - t, p), nuisance, slack)
+    low = _crossing(lambda t, p: lack(best[0] - t, p), best, slack)
     guess = low if isfinite(low) else 0.01
-    high = _crossing(lambda t, p: lack(best + t, p), nuisance, slack, guess)
-    return exp(best - low), exp(best + high)
+    high = _crossing(lambda t, p: lack(best[0] + t, p), best, slack, guess)
+    return exp(best[0] - low), exp(best[0] + high)
 
 
 def _crossing(
@@ -322,11 +335,29 @@ def _crossing(
     return 0.5 * (near + far)
 
 
-def _step(diameter: Array, coarse: Flags) -> PartitionFit | None:
-    """The fit when sizes part the products completely, else None."""
-    low, high = float(diameter[~coarse].max()), float(diameter[coarse].min())
-    if low > high:
-        return None
-    middle = sqrt(low * high)
-    step = CurveFit(None, log(middle), inf, 0.0, 0.0, 1)
-    return PartitionFit([step], dict.fromkeys(LEVELS, (middle, low, high)), (low, high))
+def _gap(likelihood: Likelihood) -> tuple[float, float]:
+    """ln d of the largest that went to fines and of the smallest that went to coarse."""
+    coarse, log_diameter = likelihood.coarse, likelihood.log_diameter
+    return float(log_diameter[~coarse].max()), float(log_diameter[coarse].min())
+
+
+def _step(likelihood: Likelihood, models: tuple[Model, ...], intervals: bool) -> PartitionFit:
+    """The fit when sizes part the products completely."""
+    middle = 0.5 * sum(_gap(likelihood))
+    sizes = {}
+    for level in LEVELS:
+        ends = _step_interval(likelihood, models, level) if intervals else (nan, nan)
+        sizes[level] = (exp(middle), *ends)
+    return PartitionFit([CurveFit(None, middle, inf, 0.0, 0.0, 1)], sizes, likelihood)
+
+
+def _step_interval(
+    likelihood: Likelihood, models: tuple[Model, ...], level: float
+) -> tuple[float, float]:
+    """The 95 % interval of the diameter at `level` beside a step, whose ln L is 0."""
+    low, high = _gap(likelihood)
+    ends = [exp(low), exp(high)]
+    for model in models:
+        steep = np.array([0.5 * (low + high), model.start(high - low), 0.0])
+        ends += _profile_interval(likelihood, model, 0.0, steep, [1], level, _THRESHOLD)
+    return min(ends), max(ends)

@@ -2,18 +2,20 @@
 and all of them together, with the same particles, on three scenes. Cost is processor time.
 
 A column's answer is its cut; a bed's is where its spheres lie. Two runs of a turbulent, colliding
-column differ by chance: `changed_outlets` counts the parcels that left through another outlet than
-in the plan's run, and `d50_chance` is how far d50 can move by the chance of those alone. Beds start
-from several states: median cost, mean change of height, and its standard error as `d50_chance`.
+column differ by chance, and so do beds: each scene is run from several seeds, and its row has the
+median cost, the mean change, and its standard error as `d50_chance`. `changed_outlets` counts the
+parcels that left through another outlet than in the plan's run.
 """
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from math import nan, sqrt
 from pathlib import Path
-from statistics import median
+from statistics import mean, median, stdev
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -21,10 +23,10 @@ import numpy as np
 
 from elutria.bench.common import Options, processor_time, project_root, write_result
 from elutria.bench.stability_scenes import bed, contacts
-from elutria.case import Case, Setting
+from elutria.case import PARAMETERS, Case, Setting
 from elutria.classify import fit_events
 from elutria.events import COLUMNS as EVENT_COLUMNS
-from elutria.events import Run, read_run
+from elutria.events import read_run
 from elutria.files import read_csv
 from elutria.run import run_case
 from elutria.verification.scene import CLOUD, CONTACTS
@@ -41,108 +43,90 @@ COLUMNS = (
 GAS = "system/scenePlan:gas"
 GAS_EVERY_STEP = {GAS: "on"}
 SOFT = {f"{CONTACTS}/treatment": "soft"}
-TAKEN_BACK: dict[str, Mapping[str, str]] = {
-    "nothing: the plan": {},
+Choices = Mapping[str, Mapping[str, str]]
+PLAN = "nothing: the plan"
+TAKEN_BACK: Choices = {
+    PLAN: {},
     "gas at rest": GAS_EVERY_STEP,
     "contacts as impacts": SOFT,
     "all of it": {**GAS_EVERY_STEP, **SOFT},
 }
-ONE_WAY = "coupling (one-way)"
+COLUMN_CHOICES: Choices = {
+    **TAKEN_BACK,
+    "coupling (one-way)": {f"{CLOUD}:solution/coupled": "false"},
+}
 COLUMNS_SCENES = {"dilute column": 0.01, "default column": 0.2}
 
 
+@dataclass(frozen=True)
+class Trial:
+    """One run of a scene: processor time (s); d50, or a bed's mean height (m); sharpness; vertical
+    momentum and the one that its changes are counted in (kg m/s); number of parcels that left (or
+    are in the bed), and the outlet of each by its diameter, of which there are no two alike."""
+
+    seconds: float
+    size: float
+    sharpness: float
+    momentum: float
+    momentum_unit: float
+    parcels: int
+    outlets: Mapping[float, str] = field(default_factory=dict)
+
+
 def run(options: Options) -> None:
-    """Run every scene with every choice, the bed from as many starts as `--repeats`; writes
+    """Run every scene with every choice, from as many seeds as `--repeats`, two at least; writes
     skip.csv, .png and .json.
 
     `--option particles=N`: parcels fed to a column, as many in each size class (default 1000,
     quick 60).
     """
     number = int(options.extra.get("particles", "60" if options.quick else "1000"))
+    spheres, end = (64, 0.3) if options.quick else (256, 2.0)
+    folder = options.folder / "runs"
     rows: list[dict[str, Any]] = []
-    for scene, loading in COLUMNS_SCENES.items():
-        choices = {**TAKEN_BACK, ONE_WAY: {f"{CLOUD}:solution/coupled": "false"}}
-        plan: Run | None = None
-        for name, settings in choices.items():
-            seconds, result = _column(options.folder / "runs", loading, number, settings)
-            plan = plan or result
-            momentum = _momentum(options.folder / "runs/column")
-            rows.append(_row(scene, name, seconds, momentum, rows, result, plan))
-            options.say(f"{scene}, {name}: {seconds:.1f} s")
-    rows += _beds(options)
+    for name, loading in COLUMNS_SCENES.items():
+        usual = {"loading": f"{loading:g}", "feedTime": "0.5", "particles": str(number)}
+        if options.quick:
+            usual["drainTime"] = "0.2"
+        column = partial(_column, folder / "column", usual)
+        rows += _scene(options, name, COLUMN_CHOICES, column)
+    rows += _scene(options, "bed at rest", TAKEN_BACK, partial(_bed, folder / "bed", spheres, end))
     write_result(options, NAME, COLUMNS, rows, _figure(rows), {"particles": number})
-    shutil.rmtree(options.folder / "runs", ignore_errors=True)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def _scene(
+    options: Options, scene: str, choices: Choices, trial: Callable[[Mapping[str, str], int], Trial]
+) -> list[dict[str, Any]]:
+    """A row for each choice."""
+    trials: dict[str, list[Trial]] = {name: [] for name in choices}
+    for seed in range(1, 1 + max(options.repeats, 2)):
+        for name, settings in choices.items():
+            trials[name].append(trial(settings, seed))
+            options.say(f"{scene}, seed {seed}, {name}: {trials[name][-1].seconds:.1f} s")
+    return [_row(scene, name, trials[name], trials[PLAN]) for name in choices]
 
 
 def _column(
-    folder: Path, loading: float, number: int, settings: Mapping[str, str]
-) -> tuple[float, Run]:
-    """Processor seconds and the events of the default column, fed for half a second."""
+    folder: Path, usual: Mapping[str, str], settings: Mapping[str, str], seed: int
+) -> Trial:
+    """The default column with its `usual` parameters and a choice's settings."""
     shutil.rmtree(folder, ignore_errors=True)
-    chosen = {
-        "system/simulationParameters:loading": f"{loading:g}",
-        "system/simulationParameters:feedTime": "0.5",
-        "system/simulationParameters:particles": str(number),
-        **settings,
-    }
+    parameters = {f"{PARAMETERS}:{name}": value for name, value in usual.items()}
+    chosen = {**parameters, f"{PARAMETERS}:seed": str(seed), **settings}
     before = processor_time()
     run_case(
         Case(project_root() / "cases/column"),
-        folder / "column",
+        folder,
         [Setting(*key.split(":"), value) for key, value in chosen.items()],
     )
-    return processor_time() - before, read_run(folder / "column")
-
-
-def _row(
-    scene: str,
-    name: str,
-    seconds: float,
-    momentum: float,
-    rows: list[dict[str, Any]],
-    result: Run,
-    plan: Run,
-) -> dict[str, Any]:
-    first = next((row for row in rows if row["scene"] == scene), None)
-    fit = fit_events(result.events)
-    reference = fit_events(plan.events)
-    changed, left = _changed_outlets(result, plan)
-    return {
-        "scene": scene,
-        "taken_back": name,
-        "processor_s": round(seconds, 2),
-        "cost_over_plan": seconds / first["processor_s"] if first else 1.0,
-        "d50_m": fit.d50,
-        "d50_change": fit.d50 / reference.d50 - 1,
-        "d50_chance": _chance(changed, left, plan),
-        "sharpness": fit.sharpness,
-        "sharpness_change": fit.sharpness - reference.sharpness,
-        "momentum_change": momentum / first["momentum_kg_m_s"] - 1 if first else 0.0,
-        "momentum_kg_m_s": momentum,
-        "changed_outlets": changed,
-        "parcels": left,
-    }
-
-
-def _changed_outlets(result: Run, plan: Run) -> tuple[int, int]:
-    """Parcels that left in both runs, through different outlets; and those that left in both."""
-
-    def outlets(run: Run) -> dict[float, str]:
-        left = run.events.select(run.events.has_left)
-        return dict(zip(left.diameter.tolist(), left.outlet.tolist(), strict=True))
-
-    one, other = outlets(result), outlets(plan)
-    both = one.keys() & other.keys()
-    return sum(one[key] != other[key] for key in both), len(both)
-
-
-def _chance(changed: int, left: int, plan: Run) -> float:
-    """Standard deviation of ln d50 when so many parcels near the cut change sides by chance."""
-    events = plan.events.select(plan.events.has_left)
-    center = fit_events(plan.events).d50
-    near = np.abs(np.log(events.diameter / center)) < 0.15
-    density = np.sum(near) / 0.3
-    return sqrt(changed) / density if density > 0 and left else nan
+    seconds = processor_time() - before
+    events = read_run(folder).events
+    left = events.select(events.has_left)
+    fit = fit_events(events)
+    momentum = _momentum(folder)
+    outlets = dict(zip(left.diameter.tolist(), left.outlet.tolist(), strict=True))
+    return Trial(seconds, fit.d50, fit.sharpness, momentum, momentum, len(left), outlets)
 
 
 def _momentum(folder: Path) -> float:
@@ -155,47 +139,45 @@ def _momentum(folder: Path) -> float:
     return total
 
 
-def _beds(options: Options) -> list[dict[str, Any]]:
-    """Settled beds from several starts: cost, and the relative change of their mean height."""
-    number, end = (64, 0.3) if options.quick else (256, 2.0)
-    starts = max(options.repeats, 2)
-    seconds: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
-    height: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
-    momentum: dict[str, list[float]] = {name: [] for name in TAKEN_BACK}
-    for start in range(starts):
-        for name, settings in TAKEN_BACK.items():
-            folder = options.folder / "runs" / "bed"
-            shutil.rmtree(folder, ignore_errors=True)
-            gas = {GAS: True if GAS in settings else "auto"}  # foamlib's word for on
-            before = processor_time()
-            _, spheres, _ = bed(
-                folder, {**contacts(), **settings, **gas}, number=number, end=end, seed=4 + start
-            )
-            seconds[name].append(processor_time() - before)
-            height[name].append(float(np.mean(spheres.position[:, 2])))
-            unit = float(np.sum(spheres.mass) * 0.1)  # kg m/s, as if all moved at 0.1 m/s
-            momentum[name].append(float(spheres.momentum[2]) / unit)
-        options.say(f"beds, start {start + 1} of {starts}")
+def _bed(folder: Path, number: int, end: float, settings: Mapping[str, str], seed: int) -> Trial:
+    """A settled bed; changes of its momentum are counted in that of all at 0.1 m/s."""
+    shutil.rmtree(folder, ignore_errors=True)
+    gas = {GAS: True if GAS in settings else "auto"}  # foamlib's word for on
+    before = processor_time()
+    _, spheres, _ = bed(
+        folder, {**contacts(), **settings, **gas}, number=number, end=end, seed=seed
+    )
+    seconds = processor_time() - before
+    height, unit = float(np.mean(spheres.position[:, 2])), 0.1 * float(np.sum(spheres.mass))
+    return Trial(seconds, height, nan, float(spheres.momentum[2]), unit, number)
 
-    plan = next(iter(TAKEN_BACK))
-    rows = []
-    for name in TAKEN_BACK:
-        change = np.array(height[name]) / height[plan] - 1
-        rows.append(
-            {
-                **dict.fromkeys(COLUMNS, nan),
-                "scene": "bed at rest",
-                "taken_back": name,
-                "processor_s": round(median(seconds[name]), 2),
-                "cost_over_plan": float(np.median(np.divide(seconds[name], seconds[plan]))),
-                "d50_m": float(np.mean(height[name])),
-                "d50_change": float(np.mean(change)),
-                "d50_chance": float(np.std(change, ddof=1) / sqrt(starts)),
-                "momentum_change": float(np.mean(np.subtract(momentum[name], momentum[plan]))),
-                "parcels": number,
-            }
-        )
-    return rows
+
+def _row(scene: str, name: str, trials: list[Trial], plan: list[Trial]) -> dict[str, Any]:
+    pairs = list(zip(trials, plan, strict=True))
+    change = [one.size / other.size - 1 for one, other in pairs]
+    return {
+        "scene": scene,
+        "taken_back": name,
+        "processor_s": round(median(one.seconds for one in trials), 2),
+        "cost_over_plan": median(one.seconds / other.seconds for one, other in pairs),
+        "d50_m": mean(one.size for one in trials),
+        "d50_change": mean(change),
+        "d50_chance": stdev(change) / sqrt(len(change)),
+        "sharpness": mean(one.sharpness for one in trials),
+        "sharpness_change": mean(one.sharpness - other.sharpness for one, other in pairs),
+        "momentum_change": mean(
+            (one.momentum - other.momentum) / other.momentum_unit for one, other in pairs
+        ),
+        "momentum_kg_m_s": mean(one.momentum for one in trials),
+        "changed_outlets": sum(_changed_outlets(one, other) for one, other in pairs),
+        "parcels": sum(one.parcels for one in trials),
+    }
+
+
+def _changed_outlets(one: Trial, other: Trial) -> int:
+    """Parcels that left in both runs, through different outlets."""
+    both = one.outlets.keys() & other.outlets.keys()
+    return sum(one.outlets[key] != other.outlets[key] for key in both)
 
 
 def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
@@ -213,8 +195,7 @@ def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
         answer.errorbar(
             [100 * row["d50_change"] for row in here],
             names,
-            xerr=[196 * row["d50_chance"] if row["d50_chance"] == row["d50_chance"] else 0
-                  for row in here],
+            xerr=[100 * row["d50_chance"] for row in here],
             fmt="o", color="#D55E00", markersize=4, capsize=2,
         )  # fmt: skip
         answer.axvline(0, color="0.7", linewidth=0.8)
@@ -223,5 +204,5 @@ def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
             axes.invert_yaxis()
             axes.tick_params(labelsize=7)
     panels[-1][0].set_xlabel("processor time over the plan's", fontsize=8)
-    panels[-1][1].set_xlabel("change of d50 (bed: of its height), %", fontsize=8)
+    panels[-1][1].set_xlabel("change of d50 (bed: of its height), %, ± standard error", fontsize=8)
     return figure
