@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,7 @@ def test_gas_that_starts_from_its_neighbours_settles_sooner_to_the_same(tmp_path
     assert np.sqrt(((gas[1] - gas[0]) ** 2).sum(axis=1).mean()) < 0.01 * 6
     steps = [settling_steps(case) for case in (alone, helped)]
     assert steps[1] < 0.6 * steps[0]
+    assert seconds_of(alone, "gas") > 5 * seconds_of(alone, "particles")
 
 
 SHORT = tuple(f"{PARAMETERS}:{text}" for text in ("particles=100", "feedTime=0.2", "drainTime=0.3"))
@@ -112,3 +114,9 @@ def settling_steps(case: Path) -> int:
     """Steps in which the empty column's gas settled."""
     lines = (case / "log.elutriaFoam").read_text().splitlines()
     return int(next(line for line in lines if "gas settled in" in line).split()[4])
+
+
+def seconds_of(case: Path, part: str) -> float:
+    """What the account at the end gives a part of the work."""
+    log = (case / "log.elutriaFoam").read_text()
+    return float(re.findall(rf"^ +{part} +[\d.e-]+ % +([\d.e-]+) s$", log, re.MULTILINE)[-1])

@@ -236,9 +236,11 @@ void run(const argList& args)
         {
             gas.writeSettled();
         }
+        plan.account(ScenePlan::partGas);
     }
 
     plan.announce(cloud, runTime);
+    plan.account(ScenePlan::partOutput);
     ending::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
