@@ -101,12 +101,13 @@ def test_ours_beside_stock() -> None:
     found = beside_stock(stock, ours, "d50")
     assert (found.by, found.faster) == ("plain", pytest.approx(500))
     assert found.more_accurate == pytest.approx(0.02 / 0.004)  # never beyond the noise
-    assert found.met
+    assert found.met(100)
+    assert not found.met(1000)
     slow = beside_stock({**stock, "seconds": 30.0}, ours, "d50")
-    assert not slow.met
+    assert not slow.met(100)
     nothing = beside_stock({**stock, "d50_error": 0.001}, [ours[0]], "d50")
     assert np.isnan(nothing.faster)
-    assert not nothing.met
+    assert not nothing.met(10)
 
 
 def test_the_advice_is_the_cheapest_that_is_right_everywhere() -> None:

@@ -141,10 +141,9 @@ class Verdict:
     by: str
     more_accurate: float
 
-    @property
-    def met(self) -> bool:
-        """100 times faster, or 10 times more accurate."""
-        return self.faster >= 100 or self.more_accurate >= 10
+    def met(self, asked: float) -> bool:
+        """As many times faster as asked, or 10 times more accurate."""
+        return self.faster >= asked or self.more_accurate >= 10
 
 
 def beside_stock(

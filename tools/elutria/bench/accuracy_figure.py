@@ -66,7 +66,7 @@ def _panel(axes: Axes, rows: Sequence[Row], quantity: str) -> None:
               where="post", color="0.5", linewidth=0.8, zorder=0)  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(5e-5, 3e4)
+    axes.set_xlim(5e-5, 3 * max(row["seconds"] for row in rows))
     low, high = axes.get_ylim()
     axes.set_ylim(low / 1.5, high)
     _label(axes, best, quantity)

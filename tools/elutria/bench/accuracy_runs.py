@@ -56,7 +56,8 @@ DENSE = Scene("dense column, 4 m/s, loading 5", 4, 5)
 @dataclass(frozen=True)
 class Point:
     """What is changed for a run. `parcels` multiplies the usual number, `mesh` the cells along
-    each edge; `fast`, `dense` say whether those scenes are run with it too."""
+    each edge; `fast`, `dense` say whether those scenes are run with it too, `column` whether any
+    but the dense one is."""
 
     name: str
     changes: Changes = field(default_factory=dict)
@@ -64,10 +65,13 @@ class Point:
     mesh: float = 1
     fast: bool = True
     dense: bool = True
+    column: bool = True
 
     def belongs_to(self, scene: Scene) -> bool:
         """Whether the scene is run with it."""
-        return (self.fast or scene != FAST) and (self.dense or scene != DENSE)
+        if scene == DENSE:
+            return self.dense
+        return self.column and (self.fast or scene != FAST)
 
 
 def step(factor: float) -> Changes:
@@ -94,10 +98,12 @@ STOCK_MODELS: Changes = {
 """What stock DPMFoam has for the same things."""
 
 PLAN = "the plan"
+COARSE = "one-way, step x 2, mesh x 0.6"
 POINTS = (
     Point(PLAN),
     Point("parcels / 3", parcels=1 / 3, dense=False),
-    Point("parcels x 3", parcels=3, fast=False, dense=False),
+    Point("parcels x 3", parcels=3, fast=False),
+    Point("parcels x 10", parcels=10, column=False),
     Point("soft contacts", SOFT, fast=False, dense=False),
     Point("one-way", ONE_WAY),
     Point("no contacts", NO_CONTACTS, dense=False),
@@ -112,19 +118,26 @@ POINTS = (
     Point("one-way, step x 2, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(2)}, 3, 1.5,
           dense=False),
     Point("step x 2, mesh x 0.6", step(2), mesh=0.6, dense=False),
-    Point("one-way, step x 2, parcels / 3", {**ONE_WAY, **step(2)}, parcels=1 / 3),
-    Point("one-way, step x 2", {**ONE_WAY, **step(2)}),
-    Point("one-way, step x 2, parcels x 3", {**ONE_WAY, **step(2)}, 3),
-    Point("gas by points", BY_POINTS),
+    Point("one-way, step x 2, parcels / 3", {**ONE_WAY, **step(2)}, parcels=1 / 3, dense=False),
+    Point("one-way, step x 2", {**ONE_WAY, **step(2)}, dense=False),
+    Point("one-way, step x 2, parcels x 3", {**ONE_WAY, **step(2)}, 3, dense=False),
+    Point(f"{COARSE}, parcels / 3", {**ONE_WAY, **step(2)}, 1 / 3, 0.6, dense=False),
+    Point(COARSE, {**ONE_WAY, **step(2)}, mesh=0.6, dense=False),
+    Point(f"{COARSE}, parcels x 3", {**ONE_WAY, **step(2)}, 3, 0.6, dense=False),
+    Point("gas by points", BY_POINTS, dense=False),
     Point("gas by points, mesh x 0.6", BY_POINTS, mesh=0.6, fast=False, dense=False),
     Point("gas by points, one-way, step x 2, mesh x 1.5, parcels x 3",
           {**BY_POINTS, **ONE_WAY, **step(2)}, 3, 1.5, fast=False, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
-    Point("parcels particles", REAL, fast=False, dense=False),
+    Point("parcels particles", REAL, fast=False),
+    Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False),
+    Point("parcels particles, step x 4, mesh x 0.6", {**REAL, **step(4)}, mesh=0.6, column=False),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
 REFERENCE = Point("mesh x 1.5", mesh=1.5)
-DENSE_REFERENCE = Point("gas tolerance / 2", {"system/scenePlan:gasTolerance": 0.005})
+DENSE_REFERENCE = Point(
+    "parcels particles, gas tolerance / 2", {**REAL, "system/scenePlan:gasTolerance": 0.005}
+)
 """The finest that a few minutes can pay; the points show what further refinements change."""
 
 

@@ -77,7 +77,6 @@ VARIED: Mapping[str, Mapping[str, Changes]] = {
     "drag law": {
         "Clift": drag("CliftDrag"),
         "Haider-Levenspiel, sphere": _law("HaiderLevenspielDrag", 1),
-        "Ganser, sphere": _law("GanserDrag", 1),
     },
     "shape": {
         "Haider-Levenspiel, sphericity 0.8": _law("HaiderLevenspielDrag", 0.8),
