@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace elutria::dem
 {
@@ -14,24 +15,23 @@ namespace
 {
 
 constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
-constexpr std::uint32_t mostForcedImpacts = 1000;
+constexpr std::uint32_t mostForcedImpacts = 1000;    // also meetings of weighted spheres
 constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
+constexpr double leastPassing = 1e-3;            // of the first speed: no further impact below
 
 } // namespace
 
 
 double EventDriven::run(std::vector<Traveller>& members, double begin, double end,
-                        std::vector<std::vector<Leg>>& legs)
+                        double crossSection, std::vector<std::vector<Leg>>& legs)
 {
-    members_ = &members, legs_ = &legs, end_ = end;
+    members_ = &members, legs_ = &legs, end_ = end, crossSection_ = crossSection;
     impacts_ = 0;
     largestOverlap_ = 0;
     busyUntil_ = begin;
     queue_.clear();
     states_.assign(members.size(), {});
-    double most = 1;
-    for (const Traveller& t : members) most = std::max(most, t.number);
-    widening_ = std::sqrt(std::min(most, largestCollisionNumber));
+    widening_ = widening(members, crossSection);
     for (std::size_t i = 0; i < members.size(); ++i)
     {
         states_[i].since = begin;
@@ -102,7 +102,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
     const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
-    const double sum = meetingDistance(ta, tb);
+    const double sum = meetingDistance(ta, tb, crossSection_);
     const bool passable = isWeighted(ta, tb);
     if (passable && norm(shortest) < sum*(1 + 1e-9)) return;      // have met already
     Event event{from, a, b, sa.version, sb.version, true};
@@ -178,14 +178,23 @@ double EventDriven::goBack()
 }
 
 
+/// Many impacts of a sphere are a crowd, and those of its weighted meetings none: the others do not
+/// touch it.
+bool EventDriven::tooMany(const Event& event) const
+{
+    const State &a = states_[event.a], &b = states_[event.b == wall ? event.a : event.b];
+    if (event.b != wall && isWeighted((*members_)[event.a], (*members_)[event.b]))
+        return std::max(a.meetings, b.meetings) >= mostForcedImpacts;
+    return std::max(a.impacts, b.impacts) >= (forced_ ? mostForcedImpacts : mostImpacts);
+}
+
+
 EventDriven::Verdict EventDriven::carryOut(const Event& event)
 {
     const auto [time, a, b, versionA, versionB, handOver] = event;
     const bool onWall = b == wall;
-    const std::uint32_t limit = forced_ ? mostForcedImpacts : mostImpacts;
     State& sa = states_[a];
-    if (sa.impacts >= limit || (!onWall && states_[b].impacts >= limit))
-        return Verdict::handOver;
+    if (tooMany(event)) return Verdict::handOver;
     if (!forced_ && time >= busyUntil_) remember(time);
 
     fly(a, time);
@@ -233,28 +242,54 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     busyUntil_ = std::max(busyUntil_, over);
     sa.busyUntil = over;
     changed(a, bodyA);
+    ++sa.impacts;
     if (!onWall)
     {
         states_[b].busyUntil = over;
         changed(b, bodyB);
+        ++states_[b].impacts;
     }
     predictAfter(event);
     return Verdict::done;
 }
 
 
-/// Each party takes part with the chance that its share of the other's particles gives it.
+/// A number of impacts for each party, that of the other's particles it would have met; the chance
+/// of a further one falls with the speed at which they still pass each other.
 void EventDriven::meetWeighted(const Event& event, ImpactBody bodyA, ImpactBody bodyB,
-                               const Vector3& normal, const ImpactLaw& law)
+                               Vector3 normal, const ImpactLaw& law)
 {
     const Traveller &ta = (*members_)[event.a], &tb = (*members_)[event.b];
-    const double factor = crossSectionFactor(ta, tb);
-    const bool hitsA = chanceOf(ta, tb, event.time, false) < tb.number/factor;
-    const bool hitsB = chanceOf(ta, tb, event.time, true) < ta.number/factor;
-    if (!(hitsA || hitsB) || !collide(bodyA, bodyB, normal, law)) return;
+    MeetingChances chances(ta, tb, event.time);
+    const double factor = crossSectionFactor(ta, tb, crossSection_);
+    const std::uint64_t hitsA = wholeNumber(tb.number/factor, chances);
+    const std::uint64_t hitsB = wholeNumber(ta.number/factor, chances);
+    const double speed = norm(bodyA.velocity - bodyB.velocity);
+    bool hit = false;
+    for (std::uint64_t k = 0; k < std::max(hitsA, hitsB); ++k)
+    {
+        if (k > 0)
+        {
+            const Vector3 passing = bodyA.velocity - bodyB.velocity;
+            if (!(norm(passing) > leastPassing*speed)) break;
+            if (chances.next()*speed > norm(passing)) continue;
+            normal = randomNormal(passing, chances);
+        }
+        ImpactBody a = bodyA, b = bodyB;
+        if (!collide(a, b, normal, law)) continue;
+        if (k < hitsA) bodyA = a;
+        if (k < hitsB) bodyB = b;
+        hit = true;
+    }
+    if (!hit) return;
     ++impacts_;
-    if (hitsA) changed(event.a, bodyA);
-    if (hitsB) changed(event.b, bodyB);
+    for (const auto& [hits, which, body] : {std::tuple{hitsA, event.a, bodyA},
+                                            std::tuple{hitsB, event.b, bodyB}})
+    {
+        if (hits == 0) continue;
+        changed(which, body);
+        ++states_[which].meetings;
+    }
     predictAfter(event);
 }
 
@@ -284,7 +319,6 @@ void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
     t.spin = after.spin;
     state.bound = boundOf(t.flight, widening_*t.radius, end_ - state.since);
     ++state.version;
-    ++state.impacts;
     std::vector<Leg>& legs = (*legs_)[a];
     if (legs.back().begin == state.since) legs.pop_back();
     legs.push_back({state.since, t.flight, 0});

@@ -67,8 +67,8 @@ public:
     {}
 
     /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
-    /// hand-over. `legs[i]` gets each new leg of member i's path.
-    double run(std::vector<Traveller>& members, double begin, double end,
+    /// hand-over. `legs[i]` gets each new leg of member i's path. `crossSection`: see weights.hpp.
+    double run(std::vector<Traveller>& members, double begin, double end, double crossSection,
                std::vector<std::vector<Leg>>& legs);
 
     std::size_t impacts() const { return impacts_; }
@@ -95,7 +95,7 @@ private:
     {
         double since;                    // time at which the traveller's flight is given
         Bound bound;                     // of the path from there to the end
-        std::uint32_t version = 0, impacts = 0;
+        std::uint32_t version = 0, impacts = 0, meetings = 0;   // meetings: of weighted spheres
         double busyUntil = -1;           // end of the last impact, had it a duration
         Walls::Image nextWall{};
     };
@@ -104,8 +104,9 @@ private:
     void predictPair(std::uint32_t a, std::uint32_t b, double from);
     void predictWall(std::uint32_t a, double from);
     enum class Verdict { done, handOver, crowded };
+    bool tooMany(const Event&) const;
     Verdict carryOut(const Event&);
-    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, const Vector3& normal,
+    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, Vector3 normal,
                       const ImpactLaw&);
     void predictAfter(const Event&);
     void fly(std::uint32_t a, double to);
@@ -134,7 +135,7 @@ private:
     std::vector<Traveller>* members_ = nullptr;
     std::vector<std::vector<Leg>>* legs_ = nullptr;
     double end_ = 0;
-    double widening_ = 1;                // of bounds, for spheres of many particles
+    double crossSection_ = 1, widening_ = 1;     // for spheres of many particles
     std::vector<State> states_;
     std::vector<Event> queue_;
     std::vector<Walls::Image> images_;

@@ -1,6 +1,7 @@
 #include "hybrid.hpp"
 
 #include "Stopwatch.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,7 @@ namespace
 {
 
 constexpr std::size_t crowd = 256;           // island of impacts above which a step is cut
+constexpr std::size_t softCrowd = 32;        // island with lasting contacts, of weighted spheres
 constexpr int mostCuts = 12;                 // halvings of a step
 constexpr double fewSubSteps = 24;           // these cost no more than looking around first
 constexpr int separationRounds = 5;
@@ -80,12 +82,16 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
     load(particles);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
     double done = 0, length = whole;
+    crossSection_ = largestCrossSection;
     while (done < whole)
     {
         length = std::min(length, whole - done);
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
         switch (piece(duration*length/whole, mayCut, report))
         {
+            case Outcome::tooWide:
+                crossSection_ = std::max(1.0, crossSection_/4);
+                break;
             case Outcome::tooLong:
                 length /= 2;
                 break;
@@ -172,7 +178,9 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         const Stopwatch watch(report.searchSeconds);
         for (int round = 0;; ++round)
         {
-            if (!bounds(duration)) return mayCut ? Outcome::tooLong : Outcome::contactsRule;
+            if (!bounds(duration))
+                return widening_ > 1 ? Outcome::tooWide
+                     : mayCut ? Outcome::tooLong : Outcome::contactsRule;
             findCandidates(duration, report);
             if (overlaps_.empty() || round == separationRounds) break;
             separateOverlaps(report);
@@ -188,13 +196,28 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         std::size_t largest = 0;
         for (const Island& island : islands_)
             if (!island.touching) largest = std::max(largest, island.particles.size());
+        if (weightsCrowd()) return Outcome::tooWide;
         if (largest > crowd && mayCut) return Outcome::tooLong;
         if (largest > 16*crowd && !forced) return Outcome::contactsRule;
     }
-    do runIslands(duration);
+    do
+    {
+        runIslands(duration);
+        if (weightsCrowd()) return Outcome::tooWide;
+    }
     while (mergeIslands(duration, report));
     finishPiece(duration, report);
     return Outcome::done;
+}
+
+
+/// Whether spheres of many particles, which meet from afar, make islands that need not be.
+bool Hybrid::weightsCrowd() const
+{
+    return widening_ > 1 && std::any_of(islands_.begin(), islands_.end(), [](const Island& island)
+    {
+        return island.particles.size() > (island.touching || island.soft() ? softCrowd : crowd);
+    });
 }
 
 

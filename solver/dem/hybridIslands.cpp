@@ -85,7 +85,7 @@ void Hybrid::runIsland(Island& island, IslandStepper& stepper, double duration) 
                                        ContactRecord{id, 0, false, {}}, recordBefore);
             for (; at != records_.end() && at->first == id; ++at) history.push_back(*at);
         }
-    stepper.run(island, start_, duration, history);
+    stepper.run(island, start_, duration, crossSection_, history);
 }
 
 
@@ -124,7 +124,7 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (islandOf_[i] == islandOf_[j] && islandOf_[i] != none) return;
-        const double distance = meetingDistance(start_[i], start_[j]);
+        const double distance = meetingDistance(start_[i], start_[j], crossSection_);
         const bool passable = isWeighted(start_[i], start_[j]);
         if (pathsMeet(path(i, freeA), path(j, freeB), distance, passable, settings_.box, duration)
             < never)

@@ -37,9 +37,7 @@ bool Hybrid::bounds(double duration)
     frame_ = {};
     for (std::size_t i = 0; i < n; ++i) frame_ += ends_[i].position - start_[i].flight.position;
     frame_ *= 1/(duration*double(n));
-    double most = 1;
-    for (const Traveller& t : start_) most = std::max(most, t.number);
-    widening_ = std::sqrt(std::min(most, largestCollisionNumber));
+    widening_ = widening(start_, crossSection_);
     forParticles([&](std::size_t i)
     {
         const Flight& flight = start_[i].flight;
@@ -97,7 +95,7 @@ void Hybrid::checkPair(std::uint32_t i, std::uint32_t j)
     const Vector3 offset = centres - settings_.box.shortest(centres);
     const Vector3 apart = a.position - b.position - offset;
     const Vector3 moved = (ends_[i].position - a.position) - (ends_[j].position - b.position);
-    const double sum = meetingDistance(start_[i], start_[j]);
+    const double sum = meetingDistance(start_[i], start_[j], crossSection_);
     const double close = sum + slack_[i] + slack_[j];
     if (squaredDistanceOfSegment(apart, moved) >= close*close) return;
     const double distance2 = squaredNorm(apart);

@@ -39,7 +39,7 @@ IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& m
 
 
 void IslandStepper::run(Island& island, const std::vector<Traveller>& start, double duration,
-                        const std::vector<ContactRecord>& history)
+                        double crossSection, const std::vector<ContactRecord>& history)
 {
     const std::size_t n = island.particles.size();
     island.end.clear();
@@ -58,7 +58,7 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
         if (!touching)
         {
             const Stopwatch watch(island.impactSeconds);
-            time = events_.run(island.end, time, duration, island.legs);
+            time = events_.run(island.end, time, duration, crossSection, island.legs);
             island.impacts += events_.impacts();
             island.largestOverlap = std::max(island.largestOverlap, events_.largestOverlap());
         }

@@ -40,9 +40,9 @@ public:
     IslandStepper(const IslandStepper&) = delete;
 
     /// From the `start` of each of the island's particles (indexed by particle) on; `history` holds
-    /// the island's contacts.
+    /// the island's contacts; `crossSection`: see weights.hpp.
     void run(Island& island, const std::vector<Traveller>& start, double duration,
-             const std::vector<ContactRecord>& history);
+             double crossSection, const std::vector<ContactRecord>& history);
 
 private:
     double softChunk(Island& island, double begin, double end, bool& touching);

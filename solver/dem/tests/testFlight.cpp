@@ -1,5 +1,6 @@
 #include "../meeting.hpp"
 #include "../walls.hpp"
+#include "near.hpp"
 #include "wallShapes.hpp"
 
 #include <doctest/doctest.h>
@@ -80,7 +81,7 @@ TEST_CASE("flight: agrees with direct integration from no drag to strong drag")
 TEST_CASE("flight: limits of no drag and of infinitely strong drag")
 {
     const Flight ballistic({0, 0, 0}, {1, 2, 3}, {0, 0, -10}, {5, 5, 5}, 0);
-    CHECK(ballistic.at(0.5).position.z == doctest::Approx(1.5 - 1.25).epsilon(1e-15));
+    CHECK(ballistic.at(0.5).position.z == near(1.5 - 1.25, 1e-15));
     for (const double kh : {1e4, 1e8})
     {
         const double h = 1e-3, k = kh/h;

@@ -1,3 +1,4 @@
+#include "near.hpp"
 #include "scenes.hpp"
 #include "wallShapes.hpp"
 
@@ -131,7 +132,7 @@ TEST_CASE("hybrid: two spheres collide alike with impacts and with the soft law,
                 if (offset == 0)
                 {
                     const double apart = result[0].velocity[1].x - result[0].velocity[0].x;
-                    CHECK(apart == doctest::Approx(0.8).epsilon(1e-9));
+                    CHECK(apart == near(0.8, 1e-9));
                 }
             }
 }
@@ -284,8 +285,8 @@ TEST_CASE("hybrid: a dilute gas cools as with the soft law, momentum kept, energ
     const double rate = (1 - e*e)/3*2*std::sqrt(3.14159265)*n*d*d*g0*std::sqrt(T0);
     const double haff = T0/std::pow(1 + 0.03*rate, 2);
     MESSAGE("temperature auto " << temperature[0] << " soft " << temperature[1] << " Haff " << haff);
-    CHECK(temperature[0] == doctest::Approx(temperature[1]).epsilon(0.04));
-    CHECK(temperature[0] == doctest::Approx(haff).epsilon(0.08));
+    CHECK(temperature[0] == near(temperature[1], 0.04));
+    CHECK(temperature[0] == near(haff, 0.08));
 }
 
 TEST_CASE("hybrid: the order of the particles does not show in the result")
@@ -341,7 +342,7 @@ TEST_CASE("hybrid: a bouncing ball comes to rest, without end to no bounces")
         energy = now;
     }
     CHECK(norm(p.velocity[0]) < 1e-4);
-    CHECK(p.position[0].z == doctest::Approx(1e-3).epsilon(1e-3));
+    CHECK(p.position[0].z == near(1e-3, 1e-3));
 }
 
 TEST_CASE("hybrid: weight that works during a contact takes as much as with the soft law")
@@ -374,7 +375,7 @@ TEST_CASE("hybrid: weight that works during a contact takes as much as with the 
             REQUIRE(bounces == 10);
         }
         CAPTURE(stiffness);
-        CHECK(apex[1] == doctest::Approx(apex[0]).epsilon(5e-4));
+        CHECK(apex[1] == near(apex[0], 5e-4));
     }
 }
 
@@ -431,7 +432,7 @@ TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
     }
     MESSAGE("mean height " << height[0] << " soft " << height[1] << " energy " << energy[0]
             << " soft " << energy[1]);
-    CHECK(height[0] == doctest::Approx(height[1]).epsilon(0.03));
+    CHECK(height[0] == near(height[1], 0.03));
     CHECK(energy[0] < 1e-4*whole);
     CHECK(energy[1] < 1e-4*whole);
 }
@@ -453,7 +454,7 @@ TEST_CASE("hybrid: a sphere that falls along a wall, just clear of it, takes no 
         const StepReport report = engine.advance(p, 4e-3);
         REQUIRE(report.subSteps + report.impacts == 0);
     }
-    CHECK(p.position[0].x == doctest::Approx((1 + 1e-6)*radius).epsilon(1e-9));
+    CHECK(p.position[0].x == near((1 + 1e-6)*radius, 1e-9));
 }
 
 TEST_CASE("hybrid: a particle in a corner stays there and rests")
@@ -465,7 +466,7 @@ TEST_CASE("hybrid: a particle in a corner stays there and rests")
     Engine engine(with(ContactTreatment::automatic), grains(0.6, 0.3), walls);
     for (int k = 0; k < 400; ++k) engine.advance(p, 5e-4);
     for (int axis = 0; axis < 3; ++axis)
-        CHECK(p.position[0][axis] == doctest::Approx(1e-3).epsilon(2e-3));
+        CHECK(p.position[0][axis] == near(1e-3, 2e-3));
     CHECK(norm(p.velocity[0]) < 1e-4);
 }
 

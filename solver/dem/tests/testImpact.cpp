@@ -1,5 +1,6 @@
 #include "../impact.hpp"
 #include "../laws.hpp"
+#include "near.hpp"
 #include "scenes.hpp"
 
 #include <doctest/doctest.h>
@@ -94,7 +95,7 @@ TEST_CASE("impact: momentum and angular momentum exact, energy never grows, rest
             CHECK(norm(scenes::angularMomentum(p) - spin) < 1e-13*norm(spin));
             CHECK(scenes::kineticEnergy(p) <= energy*(1 + 1e-14));
             CHECK(dot(p.velocity[0] - p.velocity[1], pair.normal)
-                  == doctest::Approx(asked*closing).epsilon(1e-12));
+                  == near(asked*closing, 1e-12));
             CHECK_FALSE(collide(pair.a, pair.b, pair.normal, impact));   // they part now
         }
 }
@@ -108,9 +109,9 @@ TEST_CASE("impact: gross sliding as in the closed form")
         const ImpactLaw impact(law, materials, 0, 0);
         ImpactBody ball{0.01, 1/0.02, {3, 0, -1}, {}}, wall;
         collide(ball, wall, {0, 0, 1}, impact);
-        CHECK(ball.velocity.x == doctest::Approx(3 - friction*(1 + e)).epsilon(1e-12));
-        CHECK(ball.velocity.z == doctest::Approx(e).epsilon(1e-12));
-        CHECK(ball.spin.y == doctest::Approx(2.5*friction*(1 + e)/0.01).epsilon(1e-12));
+        CHECK(ball.velocity.x == near(3 - friction*(1 + e), 1e-12));
+        CHECK(ball.velocity.z == near(e, 1e-12));
+        CHECK(ball.spin.y == near(2.5*friction*(1 + e)/0.01, 1e-12));
     }
 }
 
@@ -202,7 +203,7 @@ TEST_CASE("impact: contact duration as that of the soft law")
         const double expected = law == ContactLaw::linear
             ? laws::linearContactTime(1e12, 1e-5, 0.9)
             : laws::hertzContactTime(c.stiffness, 1e-3, 1e-5, 2);
-        CHECK(impact.duration(1e-5, 1e-3, 2) == doctest::Approx(expected).epsilon(0.03));
+        CHECK(impact.duration(1e-5, 1e-3, 2) == near(expected, 0.03));
     }
 }
 

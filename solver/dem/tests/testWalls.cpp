@@ -1,3 +1,4 @@
+#include "near.hpp"
 #include "wallShapes.hpp"
 
 #include <doctest/doctest.h>
@@ -219,7 +220,7 @@ TEST_CASE("walls: where they are flat the triangle below is all there is to touc
             walls.contactsOnFlat(centre + way, radius, reach, among, below, found);
             REQUIRE(found.size() == all.size());
             if (found.empty()) continue;
-            CHECK(found[0].gap == doctest::Approx(all[0].gap).epsilon(1e-12));
+            CHECK(found[0].gap == near(all[0].gap, 1e-12));
             CHECK(norm(found[0].normal - all[0].normal) < 1e-12);
             CHECK(found[0].feature == all[0].feature);
             CHECK(found[0].material == all[0].material);
