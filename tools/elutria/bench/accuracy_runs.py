@@ -131,7 +131,6 @@ POINTS = (
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False),
     Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False),
-    Point("parcels particles, step x 4, mesh x 0.6", {**REAL, **step(4)}, mesh=0.6, column=False),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
 REFERENCE = Point("mesh x 1.5", mesh=1.5)
