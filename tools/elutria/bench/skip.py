@@ -204,5 +204,5 @@ def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
             axes.invert_yaxis()
             axes.tick_params(labelsize=7)
     panels[-1][0].set_xlabel("processor time over the plan's", fontsize=8)
-    panels[-1][1].set_xlabel("change of d50 (bed: of its height), %, ± standard error", fontsize=8)
+    panels[-1][1].set_xlabel("change of d50 (bed: height), %, ± s.e.", fontsize=8)
     return figure
