@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace elutria::dem
 {
@@ -283,13 +282,13 @@ void EventDriven::meetWeighted(const Event& event, ImpactBody bodyA, ImpactBody 
     }
     if (!hit) return;
     ++impacts_;
-    for (const auto& [hits, which, body] : {std::tuple{hitsA, event.a, bodyA},
-                                            std::tuple{hitsB, event.b, bodyB}})
+    const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {
-        if (hits == 0) continue;
-        changed(which, body);
-        ++states_[which].meetings;
-    }
+        changed(member, after);
+        ++states_[member].meetings;
+    };
+    if (hitsA > 0) met(event.a, bodyA);
+    if (hitsB > 0) met(event.b, bodyB);
     predictAfter(event);
 }
 

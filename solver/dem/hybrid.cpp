@@ -193,10 +193,10 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         std::sort(touching_.begin(), touching_.end());
         touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
         makeIslands();
+        if (weightsCrowd()) return Outcome::tooWide;
         std::size_t largest = 0;
         for (const Island& island : islands_)
             if (!island.touching) largest = std::max(largest, island.particles.size());
-        if (weightsCrowd()) return Outcome::tooWide;
         if (largest > crowd && mayCut) return Outcome::tooLong;
         if (largest > 16*crowd && !forced) return Outcome::contactsRule;
     }

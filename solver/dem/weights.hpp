@@ -1,6 +1,7 @@
 #pragma once
 
 #include "events.hpp"
+#include "laws.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -92,7 +93,7 @@ inline Vector3 randomNormal(const Vector3& velocityOfAFromB, MeetingChances& cha
     const Vector3 along = velocityOfAFromB*(1/norm(velocityOfAFromB));
     const Vector3 any = std::abs(along.x) < 0.7 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
     const Vector3 across = cross(along, any)*(1/norm(cross(along, any)));
-    const double sine2 = chances.next(), turn = 2*3.14159265358979*chances.next();
+    const double sine2 = chances.next(), turn = 2*laws::pi*chances.next();
     const Vector3 aside = std::cos(turn)*across + std::sin(turn)*cross(along, across);
     return std::sqrt(sine2)*aside - std::sqrt(1 - sine2)*along;
 }

@@ -96,7 +96,8 @@ def stretches(
 ) -> list[Stretch]:
     """Stock's costs from the state in FOLDER/run; `filled` as `stock_like` gives it.
 
-    `quick`: the first variant only, two steps.
+    `quick`: the first variant only, two steps; dense: stock's own contacts only.
+    What is measured stays in FOLDER and is not measured again.
     """
     found = []
     step = STEP / DENSE_PARTS if scene == DENSE else STEP
