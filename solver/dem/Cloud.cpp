@@ -35,6 +35,9 @@ double Cloud::load(const Particles& p, double step)
     const bool oneMaterial = std::all_of(p.material.begin(), p.material.end(),
                                          [](std::uint32_t m) { return m == 0; });
     materials.resize(oneMaterial ? 0 : n);
+    const bool real = std::all_of(p.number.begin(), p.number.end(),
+                                  [](double number) { return number == 1; });
+    weighted.resize(real ? 0 : n);
     smallest = 1e300, largest = 0, mean = 0;
     Vector3 velocities;
     double shifted = 0;
@@ -53,6 +56,7 @@ double Cloud::load(const Particles& p, double step)
         bases[i] = {v.x, v.y, v.z, 1/p.mass[k], s.x, s.y, s.z, radius};
         loads[i] = {};
         if (!oneMaterial) materials[i] = std::uint8_t(p.material[k]);
+        if (!real) weighted[i] = p.number[k] != 1;
         smallest = std::min(smallest, radius);
         largest = std::max(largest, radius);
         mean += radius/double(n);
@@ -193,6 +197,7 @@ void Cloud::moveTo(std::vector<std::uint32_t> target)
             std::swap(bases[i], bases[k]);
             std::swap(order_[i], order_[k]);
             if (!materials.empty()) std::swap(materials[i], materials[k]);
+            if (!weighted.empty()) std::swap(weighted[i], weighted[k]);
             if (!forcing.empty()) std::swap(forcing[i], forcing[k]);
             std::swap(target[i], target[k]);
         }

@@ -105,15 +105,16 @@ public:
       : arrays_(arrays), at_(at), stop_(stop)
     {}
 
-    /// Puts (i, j) behind `next`, as it was if it was there; called in ascending order.
-    void carryTo(Arrays& next, std::uint32_t i, std::uint32_t j)
+    /// Puts (i, j) behind `next`, as it was if it was there, or else if it `mayJoin`; called in
+    /// ascending order.
+    void carryTo(Arrays& next, std::uint32_t i, std::uint32_t j, bool mayJoin)
     {
         while (at_ < stop_ && (arrays_.first[at_] < i
                                || (arrays_.first[at_] == i && arrays_.second[at_] < j))) ++at_;
         const bool had = at_ < stop_ && arrays_.first[at_] == i && arrays_.second[at_] == j;
         if (had) next.push(i, j, arrays_.x[at_], arrays_.y[at_], arrays_.z[at_],
                            arrays_.touching[at_]);
-        else next.push(i, j, 0, 0, 0, 0);
+        else if (mayJoin) next.push(i, j, 0, 0, 0, 0);
     }
 
 private:
@@ -131,6 +132,7 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
     static thread_local std::vector<Pair> later;
     const auto begin = std::uint32_t(chunkBegin(c)), end = std::uint32_t(chunkEnd(c));
     const Row* rows = cloud.rows.data();
+    const std::uint8_t* weighted = cloud.weighted.empty() ? nullptr : cloud.weighted.data();
     const PeriodicBox& box = cloud.box;
     const bool wraps = box.any();
     const auto choose = [&](OldContacts& before, std::uint32_t i, std::uint32_t j)
@@ -138,8 +140,12 @@ void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& li
         const Row &a = rows[i], &b = rows[j];
         Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
         if (wraps) apart = box.shortest(apart);
-        const double reach = a.radius + b.radius + leeway.of(i) + leeway.of(j);
-        if (squaredNorm(apart) < reach*reach) before.carryTo(next, i, j);
+        const double sum = a.radius + b.radius, reach = sum + leeway.of(i) + leeway.of(j);
+        const double distance2 = squaredNorm(apart);
+        if (distance2 >= reach*reach) return;
+        // spheres of many particles that are inside each other are on their way through
+        const bool passing = weighted && distance2 < sum*sum && (weighted[i] | weighted[j]);
+        before.carryTo(next, i, j, !passing);
     };
     const std::uint32_t last = list.begin[end] - 1;
     next.count = 0;

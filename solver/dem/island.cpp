@@ -84,7 +84,7 @@ void IslandStepper::gather(const std::vector<Traveller>& members)
     Particles& p = gathered_;
     const std::size_t n = members.size();
     p.id.resize(n), p.material.resize(n), p.radius.resize(n), p.mass.resize(n);
-    p.dragRate.resize(n);
+    p.dragRate.resize(n), p.number.resize(n);
     for (VectorArray* array :
          {&p.position, &p.velocity, &p.spin, &p.gasVelocity, &p.acceleration, &p.dragImpulse})
         array->resize(n);
@@ -93,6 +93,7 @@ void IslandStepper::gather(const std::vector<Traveller>& members)
         const Traveller& t = members[i];
         p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
         p.dragRate[i] = t.flight.rate;
+        p.number[i] = t.number;
         p.position.set(i, t.flight.position);
         p.velocity.set(i, t.flight.velocity);
         p.spin.set(i, t.spin);
