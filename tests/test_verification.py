@@ -92,6 +92,14 @@ def test_sample_own_wake(tmp_path: Path) -> None:
     assert abs(corrected) / abs(plain) < 0.3
 
 
+def test_sample_own_wake_in_gas_at_rest(tmp_path: Path) -> None:
+    """A grain that the gas holds stays in the wake it had when the gas was last solved."""
+    plain = wake.own_share(tmp_path / "plain", 8e-4, 5e-3, 0.0, gas="auto", corrected=False)
+    corrected = wake.own_share(tmp_path / "corrected", 8e-4, 5e-3, 0.0, "auto", corrected=True)
+    assert plain > 0.005
+    assert abs(corrected) < 0.001
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", page.ORDER)
 def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:

@@ -109,6 +109,10 @@ void ElutriaCloud::sampleGas(trackingData& td, const scalar dt)
     }
     effectiveMass_.resize(n);
     starts_.resize(n);
+    eddyViscosity_ = mesh().findObject<volScalarField>
+    (
+        IOobject::groupName("nut", U().group())
+    );
 
     size_t i = 0;
     for (parcelType& p : *this)
@@ -303,7 +307,8 @@ ElutriaCloud::ElutriaCloud
     volumeShares_(mesh()),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     ownWake_(particleProperties().subOrEmptyDict("ownWake")),
-    wakeInGas_(false),
+    wakeAge_(readWakeAge()),
+    eddyViscosity_(nullptr),
     theta_
     (
         IOobject
@@ -359,6 +364,10 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
 
     dispersing_ = disperses();
     sampleGas(td, dt);
+    if (wakeAge_ >= 0)
+    {
+        wakeAge_ += dt;
+    }
     advanceParticles(dt);
     track(td, dt);
 }
@@ -460,6 +469,12 @@ void ElutriaCloud::writeState()
     if (contacts_)
     {
         contactMemory::write(*this, contacts_->engine());
+    }
+    if (wakeAge_ >= 0)
+    {
+        IOdictionary wake(wakeHeader(IOobject::NO_READ));
+        wake.add("age", wakeAge_);
+        wake.regIOobject::write();
     }
 }
 

@@ -50,6 +50,25 @@ void ElutriaCloud::countInjected()
 }
 
 
+IOobject ElutriaCloud::wakeHeader(const IOobject::readOption read) const
+{
+    return IOobject
+    (
+        "ownWake", time().timeName(), "uniform"/cloud::prefix/name(), mesh(),
+        read, IOobject::NO_WRITE, false
+    );
+}
+
+
+scalar ElutriaCloud::readWakeAge() const
+{
+    return IOdictionary
+    (
+        wakeHeader(IOobject::READ_IF_PRESENT)
+    ).getOrDefault<scalar>("age", -1);
+}
+
+
 void ElutriaCloud::seeUndisturbedGas
 (
     const parcelType& p,
@@ -57,8 +76,7 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar dt
 )
 {
-    const bool solvedLastStep = wakeInGas_ && window_ < 1.5*dt;
-    if (!ownWake_.corrects() || !solvedLastStep)
+    if (!ownWake_.corrects() || p.age() < wakeAge_ || wakeAge_ < 0)
     {
         return;
     }
@@ -66,18 +84,26 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar cellVolume = mesh().V()[p.cell()];
     const scalar cellSize = cbrt(cellVolume);
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
-    const scalar width = OwnWake::width(kernel, cellSize);
-
     const scalar volume = p.nParticle()*p.volume();
-    const scalar spacing = OwnWake::spacing
-    (
-        theta_[p.cell()], volume,
-        volume/cellVolume*OwnWake::kept(kernel, cellSize)
-    );
+    const scalar viscosity =
+        td.muc() + (eddyViscosity_ ? td.rhoc()*(*eddyViscosity_)[p.cell()] : 0);
+    const OwnWake::Surroundings gas
+    {
+        kernel,
+        cellSize,
+        OwnWake::spacing
+        (
+            theta_[p.cell()], volume,
+            volume/cellVolume*OwnWake::kept(kernel, cellSize)
+        ),
+        viscosity,
+        viscosity/td.rhoc()
+    };
 
     const vector seen(td.Uc() - p.U());
+    const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
     scalar share = 0, change = 1;
-    for (label pass = 0; pass < 20 && change > 1e-6; ++pass)
+    for (label pass = 0; pass < 20 && change > 1e-5; ++pass)
     {
         td.Uc() = p.U() + seen/(1 - share);
         const scalar dragRate = forces().calcCoupled
@@ -86,8 +112,9 @@ void ElutriaCloud::seeUndisturbedGas
         ).Sp();
         const scalar better = OwnWake::share
         (
-            p.nParticle()*dragRate, mag(td.Uc() - p.U()), width, spacing,
-            td.muc(), td.muc()/td.rhoc()
+            p.nParticle()*dragRate,
+            {mag(td.Uc() - p.U()), passing, passing*wakeAge_},
+            gas
         );
         change = mag(better - share);
         share = better;
@@ -112,15 +139,14 @@ scalar ElutriaCloud::ownWake(const scalar weight, const scalar speed) const
     return OwnWake::share
     (
         weight/speed,
-        speed,
-        OwnWake::width
-        (
+        {speed, 0, 0},
+        {
             kernel.active() ? kernel.width() : 0,
-            cbrt(gAverage(mesh().V().field()))
-        ),
-        GREAT,
-        viscosity,
-        viscosity/gAverage(rho().primitiveField())
+            cbrt(gAverage(mesh().V().field())),
+            GREAT,
+            viscosity,
+            viscosity/gAverage(rho().primitiveField())
+        }
     );
 }
 
@@ -210,15 +236,13 @@ void ElutriaCloud::correct(const volVectorField& change)
             p.U() += response(k++)*seen[p.cell()];
         }
     }
-    const bool singleStep = window_ < 1.5*solution().trackTime();
     drop();
-    wakeInGas_ = singleStep && solution().coupled();
+    wakeAge_ = solution().coupled() ? 0 : -1;
 }
 
 
 void ElutriaCloud::drop()
 {
-    wakeInGas_ = false;
     impulse_ = Zero;
     arrived_ = Zero;
     window_ = 0;

@@ -77,10 +77,10 @@ def run(options: Options) -> None:
     """Run every scene with every choice, from as many seeds as `--repeats`, two at least; writes
     skip.csv, .png and .json.
 
-    `--option particles=N`: parcels fed to a column, as many in each size class (default 1000,
+    `--option particles=N`: parcels fed to a column, as many in each size class (default 5000,
     quick 60).
     """
-    number = int(options.extra.get("particles", "60" if options.quick else "1000"))
+    number = int(options.extra.get("particles", "60" if options.quick else "5000"))
     spheres, end = (64, 0.3) if options.quick else (256, 2.0)
     folder = options.folder / "runs"
     rows: list[dict[str, Any]] = []
