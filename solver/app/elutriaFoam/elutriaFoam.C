@@ -229,7 +229,7 @@ void run(const argList& args)
         gas.startFromSettled();
         gas.converge
         (
-            cloud.exchange(), plan.courant(), 0.1*plan.tolerance(),
+            cloud.exchange(), plan.courant(), 0.3*plan.tolerance(),
             plan.retakes()
         );
         if (args.found("keepSettled"))
