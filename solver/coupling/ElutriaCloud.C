@@ -472,9 +472,10 @@ void ElutriaCloud::writeState()
     }
     if (wakeAge_ >= 0)
     {
-        IOdictionary wake(wakeHeader(IOobject::NO_READ));
-        wake.add("age", wakeAge_);
-        wake.regIOobject::write();
+        IOField<scalar>
+        (
+            wakeHeader(IOobject::NO_READ), scalarField(1, wakeAge_)
+        ).write();
     }
 }
 

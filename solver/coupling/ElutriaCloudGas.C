@@ -11,6 +11,7 @@ Description
 
 #include "ElutriaCloud.H"
 #include "foamVersion.H"
+#include "IOField.H"
 #include "zeroGradientFvPatchFields.H"
 
 namespace Foam
@@ -54,7 +55,7 @@ IOobject ElutriaCloud::wakeHeader(const IOobject::readOption read) const
 {
     return IOobject
     (
-        "ownWake", time().timeName(), "uniform"/cloud::prefix/name(), mesh(),
+        "ownWakeAge", time().timeName(), "uniform"/cloud::prefix/name(), mesh(),
         read, IOobject::NO_WRITE, false
     );
 }
@@ -62,10 +63,8 @@ IOobject ElutriaCloud::wakeHeader(const IOobject::readOption read) const
 
 scalar ElutriaCloud::readWakeAge() const
 {
-    return IOdictionary
-    (
-        wakeHeader(IOobject::READ_IF_PRESENT)
-    ).getOrDefault<scalar>("age", -1);
+    const IOField<scalar> age(wakeHeader(IOobject::READ_IF_PRESENT));
+    return age.empty() ? -1 : age[0];
 }
 
 
