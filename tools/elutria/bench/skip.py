@@ -51,11 +51,13 @@ TAKEN_BACK: Choices = {
     "contacts as impacts": SOFT,
     "all of it": {**GAS_EVERY_STEP, **SOFT},
 }
-COLUMN_CHOICES: Choices = {
-    **TAKEN_BACK,
+GAS_CHOICES: Choices = {
+    PLAN: {},
+    "gas at rest": GAS_EVERY_STEP,
     "coupling (one-way)": {f"{CLOUD}:solution/coupled": "false"},
 }
-COLUMNS_SCENES = {"dilute column": 0.01, "default column": 0.2}
+CONTACT_CHOICES: Choices = {name: TAKEN_BACK[name] for name in TAKEN_BACK if name != "gas at rest"}
+LOADINGS = {"dilute column": 0.01, "default column": 0.2}
 
 
 @dataclass(frozen=True)
@@ -84,12 +86,13 @@ def run(options: Options) -> None:
     spheres, end = (64, 0.3) if options.quick else (256, 2.0)
     folder = options.folder / "runs"
     rows: list[dict[str, Any]] = []
-    for name, loading in COLUMNS_SCENES.items():
-        usual = {"loading": f"{loading:g}", "feedTime": "0.5", "particles": str(number)}
-        if options.quick:
-            usual["drainTime"] = "0.2"
-        column = partial(_column, folder / "column", usual)
-        rows += _scene(options, name, COLUMN_CHOICES, column)
+    for name, loading in LOADINGS.items():
+        for choices, parcels in ((GAS_CHOICES, number), (CONTACT_CHOICES, number // 5)):
+            usual = {"loading": f"{loading:g}", "feedTime": "0.5", "particles": str(parcels)}
+            if options.quick:
+                usual["drainTime"] = "0.2"
+            column = partial(_column, folder / "column", usual)
+            rows += _scene(options, f"{name}, {parcels} parcels", choices, column)
     rows += _scene(options, "bed at rest", TAKEN_BACK, partial(_bed, folder / "bed", spheres, end))
     write_result(options, NAME, COLUMNS, rows, _figure(rows), {"particles": number})
     shutil.rmtree(folder, ignore_errors=True)
