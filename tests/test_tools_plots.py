@@ -135,3 +135,5 @@ def test_what_did_not_leave_is_said() -> None:
     assert "5 m/s" in line
     assert "still inside" in line
     assert "um" in line
+    # half of ln(520/480)
+    assert float(line.split("move by ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)

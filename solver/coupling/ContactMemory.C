@@ -6,9 +6,9 @@
 \*---------------------------------------------------------------------------*/
 
 #include "ContactMemory.H"
+#include "stateFile.H"
 #include "foamVersion.H"
 #include "IOField.H"
-#include "Time.H"
 
 namespace Foam
 {
@@ -18,26 +18,6 @@ namespace
 
 //- Labels of one record: two names of 64 bits in halves, wall or not
 constexpr label nLabels = 5;
-
-
-IOobject header
-(
-    const cloud& c,
-    const word& name,
-    const IOobject::readOption read
-)
-{
-    return IOobject
-    (
-        name,
-        c.time().timeName(),
-        "uniform"/cloud::prefix/c.name(),
-        c.db(),
-        read,
-        IOobject::NO_WRITE,
-        false
-    );
-}
 
 
 uint64_t joined(const label high, const label low)
@@ -54,12 +34,12 @@ void contactMemory::write(const cloud& c, const elutria::dem::Engine& engine)
 
     IOField<label> names
     (
-        header(c, "contactNames", IOobject::NO_READ),
+        stateFile(c, "contactNames", IOobject::NO_READ),
         label(nLabels*records.size())
     );
     IOField<vector> displacements
     (
-        header(c, "contactDisplacements", IOobject::NO_READ),
+        stateFile(c, "contactDisplacements", IOobject::NO_READ),
         label(records.size())
     );
 
@@ -83,12 +63,12 @@ void contactMemory::read(const cloud& c, elutria::dem::Engine& engine)
 {
     const IOobject namesHeader
     (
-        header(c, "contactNames", IOobject::READ_IF_PRESENT)
+        stateFile(c, "contactNames", IOobject::READ_IF_PRESENT)
     );
     const IOField<label> names(namesHeader);
     const IOField<vector> displacements
     (
-        header(c, "contactDisplacements", IOobject::READ_IF_PRESENT)
+        stateFile(c, "contactDisplacements", IOobject::READ_IF_PRESENT)
     );
 
     std::vector<elutria::dem::ContactRecord> records(displacements.size());

@@ -7,6 +7,7 @@
 
 #include "ElutriaCloud.H"
 #include "ContactMemory.H"
+#include "stateFile.H"
 #include "NoCollision.H"
 #include "engineVectors.H"
 #include "foamVersion.H"
@@ -474,7 +475,8 @@ void ElutriaCloud::writeState()
     {
         IOField<scalar>
         (
-            wakeHeader(IOobject::NO_READ), scalarField(1, wakeAge_)
+            stateFile(*this, "ownWakeAge", IOobject::NO_READ),
+            scalarField(1, wakeAge_)
         ).write();
     }
 }

@@ -10,6 +10,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "ElutriaCloud.H"
+#include "stateFile.H"
 #include "foamVersion.H"
 #include "IOField.H"
 #include "zeroGradientFvPatchFields.H"
@@ -51,19 +52,9 @@ void ElutriaCloud::countInjected()
 }
 
 
-IOobject ElutriaCloud::wakeHeader(const IOobject::readOption read) const
-{
-    return IOobject
-    (
-        "ownWakeAge", time().timeName(), "uniform"/cloud::prefix/name(), mesh(),
-        read, IOobject::NO_WRITE, false
-    );
-}
-
-
 scalar ElutriaCloud::readWakeAge() const
 {
-    const IOField<scalar> age(wakeHeader(IOobject::READ_IF_PRESENT));
+    const IOField<scalar> age(stateFile(*this, "ownWakeAge", IOobject::READ_IF_PRESENT));
     return age.empty() ? -1 : age[0];
 }
 
@@ -83,6 +74,13 @@ void ElutriaCloud::seeUndisturbedGas
     const scalar cellVolume = mesh().V()[p.cell()];
     const scalar cellSize = cbrt(cellVolume);
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
+    const vector seen(td.Uc() - p.U());
+    const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
+    if (OwnWake::leftBehind(passing*wakeAge_, kernel, cellSize))
+    {
+        return;
+    }
+
     const scalar volume = p.nParticle()*p.volume();
     const scalar viscosity =
         td.muc() + (eddyViscosity_ ? td.rhoc()*(*eddyViscosity_)[p.cell()] : 0);
@@ -99,8 +97,6 @@ void ElutriaCloud::seeUndisturbedGas
         viscosity/td.rhoc()
     };
 
-    const vector seen(td.Uc() - p.U());
-    const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
     scalar share = 0, change = 1;
     for (label pass = 0; pass < 20 && change > 1e-5; ++pass)
     {

@@ -56,6 +56,7 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
     massFraction(readAtLeast(dict, "massFraction", 0)),
     numberFraction(0),
+    focus(0),
     sizes(dict.subDict("sizeDistribution"))
 {
     if (!(sphericity > 0 && sphericity <= 1))
@@ -339,6 +340,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     readOutlets();
     velocity_ = getOrDefault<vector>("velocity", Zero);
     readSchedule(phaseName);
+    readFocus(phaseName);
 }
 
 

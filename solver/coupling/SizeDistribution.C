@@ -193,25 +193,40 @@ scalarList SizeDistribution::reweighted
 }
 
 
-scalarList SizeDistribution::evenlyOverSizes() const
+scalarList SizeDistribution::evenlyAround
+(
+    const scalar diameter,
+    const scalar factor
+) const
 {
     scalarList shares(massFiner_.size(), Zero);
     for (label i = 1; i < shares.size(); ++i)
     {
-        const bool filled = massFiner_[i] > massFiner_[i-1];
-        shares[i] =
-            shares[i-1]
-          + (filled ? std::log(diameter_[i]/diameter_[i-1]) : 0);
+        const scalar low = diameter_[i-1], high = diameter_[i];
+        const bool filled =
+            massFiner_[i] > massFiner_[i-1]
+         && low*factor >= diameter && high <= factor*diameter;
+        shares[i] = shares[i-1] + (filled ? std::log(high/low) : 0);
     }
     if (!(shares.last() > 0))
     {
-        return massFiner_;              // a single size
+        return scalarList();
     }
     for (scalar& share : shares)
     {
         share /= shares.last();
     }
     return shares;
+}
+
+
+void SizeDistribution::focusOn(const scalar diameter)
+{
+    const scalarList around(evenlyAround(diameter, focusFactor));
+    forAll(around, i)
+    {
+        sizeFiner_[i] = 0.5*(sizeFiner_[i] + around[i]);
+    }
 }
 
 
@@ -279,7 +294,11 @@ SizeDistribution::SizeDistribution(const dictionary& dict)
             << exit(FatalIOError);
     }
 
-    sizeFiner_ = evenlyOverSizes();
+    sizeFiner_ = evenlyAround(diameter_.first(), GREAT);
+    if (sizeFiner_.empty())
+    {
+        sizeFiner_ = massFiner_;        // a single size
+    }
     for (label i = 1; i < diameter_.size(); ++i)
     {
         meanCube_ += (numberFiner_[i] - numberFiner_[i-1])*classCube(i);

@@ -148,3 +148,43 @@ def test_the_feed_is_distributed_as_asked(tmp_path: Path, measured, weighting: s
         wrong, critical = kolmogorov_smirnov(sample.diameter, fallacy, law)
         assert wrong > critical, "the other weighting would be told apart"
     measured("share of quartz in the feed's mass", abs(shares["quartz"] - 0.7), 0.03)
+
+
+@pytest.mark.parametrize("focus", ["none", "auto", PLUG_FLOW[3]])
+def test_a_focus_draws_half_of_the_parcels_and_keeps_the_distribution(
+    tmp_path: Path, measured, focus: str | float
+) -> None:
+    case = make_scene(
+        tmp_path / "case",
+        settings={
+            **{f"{BOX}:{name}": 1 for name in ("width", "depth", "height")},
+            f"{BOX}:gasVelocity": 3,
+            f"{BOX}:gravity": -9.81,
+            f"{CONTROL}:deltaT": 0.01,
+            f"{CONTROL}:endTime": 0.02,
+            f"{CONTROL}:writeInterval": 0.01,
+        },
+    )
+    sizes = {"type": "RosinRammler", "d63": 6e-4, "n": 3, "min": 2e-4, "max": 1.2e-3}
+    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    add_feed(
+        case,
+        {
+            "massFlowRate": 2,
+            "duration": 0.01,
+            "particles": 4000,
+            "parcels": "evenSizes",
+            "focus": focus,
+            "materials": {"quartz": quartz},
+        },
+    )
+    run_scene(case)
+    events = read_run(case).events
+    assert len(events) == 4000
+    distance, _ = kolmogorov_smirnov(events.diameter, events.mass, rosin_rammler)
+    measured("distance from the law by mass", distance, 0.005)
+    measured("mass fed over the mass asked", abs(events.mass.sum() / 0.02 - 1), 0.01)
+    even = 2 * log(1.3) / log(6)
+    around = np.abs(np.log(events.diameter / PLUG_FLOW[3])) < log(1.3)
+    expected = even if focus == "none" else 0.5 + 0.5 * even
+    measured("share of parcels around the cut", abs(around.mean() - expected), 0.02)

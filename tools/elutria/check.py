@@ -50,7 +50,8 @@ def _setting(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
         table.add_row("loading", f"{feed.loading:g} kg solids per kg gas", "constant/feed")
     else:
         table.add_row("feed rate", f"{feed.mass_flow_rate:g} kg/s", "constant/feed")
-    table.add_row("parcels", feed.parcels, "constant/feed")
+    focus = "" if feed.focus == "none" else f", half of them around the cut ({feed.focus})"
+    table.add_row("parcels", feed.parcels + focus, "constant/feed")
     until = [] if feed.duration == inf else [f"{feed.duration:g} s"]
     until += [] if feed.particles is None else [f"{feed.particles} parcels"]
     table.add_row("fed until", (" and " if feed.spread else " or ").join(until), "constant/feed")

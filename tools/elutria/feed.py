@@ -12,7 +12,7 @@ from elutria.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
     "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
-    "particles", "parcels", "drainTime", "velocity", "seed", "materials",
+    "particles", "parcels", "focus", "drainTime", "velocity", "seed", "materials",
 )  # fmt: skip
 LEAST_DENSITY = 10
 """kg/m3: less is a foam, or a density in g/cm3."""
@@ -47,6 +47,7 @@ class Feed:
     duration: float
     particles: int | None
     parcels: str  # particles: each parcel is one; evenMass, evenSizes: see Feed.H
+    focus: str  # none, auto or a size in m, around which half of evenSizes' parcels lie
     drain_time: float
     velocity: tuple[float, float, float]
     seed: int
@@ -103,6 +104,7 @@ def read_feed(case: Path) -> Feed:
         duration=duration,
         particles=None if particles is None else int(particles),
         parcels=entries.word("parcels", ("particles", "evenMass", "evenSizes"), "particles"),
+        focus=_read_focus(entries),
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
         velocity=(velocity[0], velocity[1], velocity[2]),
         seed=_read_seed(entries),
@@ -128,6 +130,16 @@ def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
     if "loading" in entries:
         return entries.number("loading", above=0, at_most=1000, unit="kg solids per kg gas"), None
     return None, entries.number("massFlowRate", above=0, at_most=1e6, unit="kg/s")
+
+
+def _read_focus(entries: Dictionary) -> str:
+    allowed = "none, auto or a size > 0 m"
+    value = entries.raw("focus", "none", allowed=allowed)
+    if value in ("none", "auto"):
+        return str(value)
+    if isinstance(value, (str, bool)):
+        raise entries.refuse("focus", allowed)
+    return f"{entries.number('focus', above=0, at_most=1, unit='m'):g} m"
 
 
 def _read_seed(entries: Dictionary) -> int:

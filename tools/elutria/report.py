@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import log
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -43,18 +44,24 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
 
 
 def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[str]:
-    """A line for each velocity at which more than `limit` of the feed's mass had not left."""
+    """A line for each velocity at which what had not left is more than `limit` of the feed's mass,
+    or leaves d50 open by more than that: were all of it coarse, or all of it fines."""
     notes = []
     rows = [row for row in partition if row["material"] == "all"]
     for velocity in dict.fromkeys(row["gas_velocity_m_s"] for row in rows):
         here = [row for row in rows if row["gas_velocity_m_s"] == velocity]
-        inside, fed = sum(r["inside_kg"] for r in here), sum(r["feed_kg"] for r in here)
-        if inside > limit * fed:
+        share = sum(row["inside_kg"] for row in here) / sum(row["feed_kg"] for row in here)
+        shift = 0.5 * sum(
+            row["inside_kg"] / row["feed_kg"] * log(row["diameter_high_m"] / row["diameter_low_m"])
+            for row in here
+            if row["inside_kg"] > 0
+        )
+        if max(share, shift) > limit:
             worst = max(here, key=lambda row: row["inside_kg"])
             notes.append(
-                f"{velocity:g} m/s: {100 * inside / fed:.2g} % of the feed is still inside, most "
-                f"of it near {worst['diameter_m'] * 1e6:.3g} um, and is in no curve; "
-                "a longer drainTime lets it leave"
+                f"{velocity:g} m/s: {100 * share:.2g} % of the feed is still inside, most "
+                f"of it near {worst['diameter_m'] * 1e6:.3g} um, and is in no curve; d50 could "
+                f"move by {100 * shift:.2g} %; a longer drainTime lets it leave"
             )
     return notes
 

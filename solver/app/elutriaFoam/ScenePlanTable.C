@@ -145,6 +145,17 @@ void ScenePlan::announceParcels(const ElutriaCloud& cloud) const
         "parcels", "each " + number(each) + " particles",
         "the heaviest feel gas slowed by themselves by " + percent(wake)
     );
+    for (const Feed::Material& m : feed.materials())
+    {
+        if (m.focus > 0)
+        {
+            row
+            (
+                "focus", "half of the parcels around",
+                number(1e6*m.focus) + " um of " + m.name
+            );
+        }
+    }
     if (wake > largestWake)
     {
         Info<< "    Warning: parcels so heavy shift the cut; "

@@ -1,7 +1,8 @@
 """The scenes of the accuracy benchmark, and the settings that each is run with.
 
 A scene is the default column at a gas velocity and a loading, fed for a quarter of a second and
-emptied for one. A point is a scene's run with some entries changed.
+emptied for four, so that grains near the cut leave too. A point is a scene's run with some entries
+changed.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from elutria.files import read_json, write_json, write_text
 from elutria.run import is_finished, run_case
 from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
 
-FEED_TIME, DRAIN_TIME, STEP = 0.25, 1.0, 1e-3
+FEED_TIME, DRAIN_TIME, STEP = 0.25, 4.0, 1e-3
 """s: of the feed, from its end to the run's end, and the time step of a point that has no other."""
 
 Changes = Mapping[str, Any]
@@ -129,12 +130,14 @@ POINTS = (
     Point("gas by points, mesh x 0.6", BY_POINTS, mesh=0.6, fast=False, dense=False),
     Point("gas by points, one-way, step x 2, mesh x 1.5, parcels x 3",
           {**BY_POINTS, **ONE_WAY, **step(2)}, 3, 1.5, fast=False, dense=False),
+    Point("emptied for 1 s", {f"{BOX}:drainTime": 1}, dense=False),
+    Point("no focus", {"constant/feed:focus": "none"}, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False),
     Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
-REFERENCE = Point("mesh x 1.5", mesh=1.5)
+REFERENCE = Point("mesh x 1.5, emptied for 8 s", {f"{BOX}:drainTime": 8}, mesh=1.5)
 DENSE_REFERENCE = Point(
     "parcels particles, gas tolerance / 2", {**REAL, "system/scenePlan:gasTolerance": 0.005}
 )
