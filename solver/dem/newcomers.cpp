@@ -13,8 +13,9 @@ namespace
 constexpr int mostMoves = 20;
 constexpr double clearance = 1e-9;           // of the overlap
 
-/// One move out of every wall and sphere that `i` overlaps; false when there was none.
-bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox& box)
+/// One move out of every wall, and of every sphere if asked, that `i` overlaps; false when there
+/// was none.
+bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox& box, bool spheres)
 {
     const Vector3 before = p.position[i];
     Vector3 place = before;
@@ -22,7 +23,7 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
     walls.contacts(place, p.radius[i], 0, contacts);
     for (const WallContact& c : contacts)
         if (c.gap < 0) place -= c.gap*(1 + clearance)*c.normal;
-    for (std::size_t j = 0; j < p.size(); ++j)
+    for (std::size_t j = 0; spheres && j < p.size(); ++j)
     {
         if (j == i) continue;
         const Vector3 apart = box.shortest(place - p.position[j]);
@@ -39,13 +40,15 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
 } // namespace
 
 
-void Newcomers::place(Particles& particles, const Walls& walls, const PeriodicBox& box)
+void Newcomers::place(Particles& particles, const Walls& walls, const PeriodicBox& box,
+                      bool spheres)
 {
     std::uint64_t latest = latest_;
     for (std::size_t i = 0; i < particles.size(); ++i)
     {
         if (particles.id[i] > latest_ && !first_)
-            for (int move = 0; move < mostMoves && moveOut(particles, i, walls, box); ++move) {}
+            for (int move = 0;
+                 move < mostMoves && moveOut(particles, i, walls, box, spheres); ++move) {}
         latest = std::max(latest, particles.id[i]);
     }
     latest_ = latest;

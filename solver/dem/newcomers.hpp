@@ -10,13 +10,15 @@ namespace elutria::dem
 {
 
 /// Makes room for spheres that enter between calls: one that overlaps a wall or another sphere is
-/// moved out of it, so that no contact energy comes from nowhere. Newcomers have larger ids than
+/// moved out of it, so that no contact energy comes from nowhere (of spheres, the impacts' search
+/// takes care). Newcomers have larger ids than
 /// all before; those of the first call are taken as they are.
 class Newcomers
 {
 public:
-    /// Moves only newcomers; a crowd may leave some overlap.
-    void place(Particles& particles, const Walls& walls, const PeriodicBox& box);
+    /// Moves only newcomers, out of walls and, if asked, of `spheres`; a crowd may leave some
+    /// overlap.
+    void place(Particles& particles, const Walls& walls, const PeriodicBox& box, bool spheres);
 
 private:
     bool first_ = true;

@@ -73,8 +73,8 @@ double forcingWork(const Particles& p, double fastest, double duration)
 
 StepReport CheckedEngine::advance(Particles& particles, double duration, int retakes)
 {
-    if (engine_->settings().treatment == ContactTreatment::soft)
-        newcomers_.place(particles, engine_->walls(), engine_->settings().box);
+    const bool soft = engine_->settings().treatment == ContactTreatment::soft;
+    newcomers_.place(particles, engine_->walls(), engine_->settings().box, soft);
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
     const Settings settings = engine_->settings();

@@ -112,6 +112,25 @@ TEST_CASE("a sphere that enters within another gives no energy")
     CHECK(kineticEnergy(p) < 1.02*before);
 }
 
+TEST_CASE("a sphere that enters with a side in a wall is put beside it, and nothing is said")
+{
+    for (const ContactTreatment treatment : {ContactTreatment::automatic, ContactTreatment::soft})
+    {
+        Settings settings;
+        settings.treatment = treatment;
+        CheckedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
+                                                      Walls(floorAt(0, 1))));
+        Particles p;
+        addSphere(p, {0, 0, 0.01}, 1e-3, 2500);
+        engine.advance(p, 1e-4, 0);
+        addSphere(p, {0.01, 0, 4e-4}, 1e-3, 2500);
+        const StepReport report = engine.advance(p, 1e-4, 0);
+        CHECK(report.warnings.empty());
+        CHECK(p.position[1].z == near(1e-3, 1e-6));
+        CHECK(norm(p.velocity[1]) < 1e-9);
+    }
+}
+
 TEST_CASE("what stays unsound ends with the state before it")
 {
     Crowd crowd(1e-4);
