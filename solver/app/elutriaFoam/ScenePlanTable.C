@@ -71,7 +71,7 @@ constexpr scalar largestOverlap = 0.05;
 
 //- Particles that a parcel may be where particles collide more than once: 12
 //  leave the cut of the dense column of docs/bench within 1 %, 35 raise it by
-//  11 %, because a meeting of two parcels is so many impacts at one place
+//  14 %, because a meeting of two parcels is so many impacts at one place
 constexpr scalar largestParcel = 12;
 
 //- Share of a parcel's slip that its own wake may take

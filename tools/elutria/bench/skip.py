@@ -20,6 +20,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import LogLocator, NullLocator
 
 from elutria.bench.common import Options, processor_time, project_root, write_result
 from elutria.bench.stability_scenes import bed, contacts
@@ -193,6 +194,10 @@ def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
         cost.barh(names, [row["cost_over_plan"] for row in here], color="#0072B2")
         if max(row["cost_over_plan"] for row in here) > 3:
             cost.set_xscale("log")
+            cost.set_xlim(left=0.5)
+            cost.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            cost.xaxis.set_minor_locator(NullLocator())
+            cost.xaxis.set_major_formatter("{x:g}")
         cost.set_title(scene, fontsize=8, loc="left")
         answer.errorbar(
             [100 * row["d50_change"] for row in here],
