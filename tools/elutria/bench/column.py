@@ -28,7 +28,7 @@ COLUMNS = (
     "variant", "time_step_s", "particles", "seconds_per_step", "low", "high",
     "seconds_per_simulated_second", "speed_over_stock",
 )  # fmt: skip
-START, STOCK_STEP, OUR_STEP, OUR_STEPS = 0.16, 2e-4, 5e-4, 100
+START, STOCK_STEP, OUR_STEP, OUR_STEPS = 0.16, 2e-4, 1e-3, 50
 LAW = {"useEquivalentSize": False, "collisionResolutionSteps": 12}
 SLIDER = {
     "alpha": 0.12, "b": 1.5, "mu": 0.4, "cohesionEnergyDensity": 0,
@@ -96,7 +96,12 @@ def _prepare(ours: Path, stock: Path) -> int:
     )
     change(
         ours,
-        {f"{CONTROL}:endTime": START + OUR_STEPS * OUR_STEP, f"{CONTROL}:writeInterval": 1000},
+        {
+            f"{CONTROL}:adjustTimeStep": False,
+            f"{CONTROL}:deltaT": OUR_STEP,
+            f"{CONTROL}:endTime": START + OUR_STEPS * OUR_STEP,
+            f"{CONTROL}:writeInterval": 1000,
+        },
     )
     return int(re.findall(r"inside (\d+)", output)[-1])
 
@@ -134,6 +139,8 @@ def _our_step(case: Path) -> float:
     output = run_program(["elutriaFoam"], case)
     report = output[output.rindex("Scene plan: what was needed in") :]
     steps = int(report.split("needed in ")[1].split()[0])
+    if steps != OUR_STEPS:
+        raise ElutriaError(f"{case}: elutriaFoam took {steps} steps; {OUR_STEPS} were asked")
     parts = re.findall(r"^ +(?:particles|exchange|gas|output) +\S+ % +(\S+) s$", report, re.M)
     return sum(map(float, parts)) / steps
 
