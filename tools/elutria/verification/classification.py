@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options
@@ -64,6 +65,8 @@ def run(options: Options) -> None:
             axes.loglog(list(cuts), list(cuts.values()), "-", color=colour, linewidth=0.8,
                         label=f"{density} kg/m³")  # fmt: skip
             axes.loglog(velocities, np.array(found) * 1e6, "o", color=colour, markersize=4)
+        axes.set_xticks(velocities, [f"{velocity:g}" for velocity in velocities])
+        axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xlabel("gas velocity, m/s")
         axes.set_ylabel("cut size, µm")
         axes.legend(title="lines: theory; dots: elutriaFoam", title_fontsize=7)
