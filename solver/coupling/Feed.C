@@ -26,6 +26,13 @@ constexpr scalar piBy6 = constant::mathematical::pi/6;
 //- Less is a foam, or a density in g/cm3 [kg/m3]
 constexpr scalar leastDensity = 10;
 
+//- kg of solids per kg of gas, above which particles meet often enough that
+//  their number counts
+constexpr scalar largestDiluteLoading = 1;
+
+//- Parcels that may be fed for each that is asked for, lest dust take forever
+constexpr scalar mostAdded = 10;
+
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
     const scalar value = dict.get<scalar>(entry);
@@ -199,14 +206,40 @@ void Feed::readSchedule(const word& phaseName)
     duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
+    asked_ = maxParticles_;
 
     sampling_ = readSampling();
-    rate_ =
-        weighted() && found("duration") && found("particles")
-      ? maxParticles_/duration_
-      : massFlow_/meanMass();
+    rate_ = massFlow_/meanMass();
+    if (weighted() && found("duration") && found("particles"))
+    {
+        addParcels(phaseName);
+        rate_ = maxParticles_/duration_;
+    }
 
     seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
+}
+
+
+void Feed::addParcels(const word& phaseName)
+{
+    if (!found("particlesPerParcel"))
+    {
+        return;
+    }
+    const scalar most = readPositive(*this, "particlesPerParcel");
+    if (!isDilute(phaseName))
+    {
+        const scalar enough =
+            min(rate_*duration_/most, mostAdded*scalar(asked_));
+        maxParticles_ =
+            max(asked_, label(min(std::ceil(enough), scalar(labelMax))));
+    }
+}
+
+
+bool Feed::isDilute(const word& phaseName) const
+{
+    return massFlow_ < largestDiluteLoading*gasMassFlow(phaseName);
 }
 
 
@@ -331,6 +364,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     duration_(0),
     drainTime_(GREAT),
     maxParticles_(labelMax),
+    asked_(labelMax),
     seed_(0),
     sampling_(Sampling::particles),
     massFlow_(0),

@@ -18,16 +18,6 @@ Description
 namespace Foam
 {
 
-namespace
-{
-
-//- Above so many kg of solids per kg of gas parcels must meet as the particles
-//  do, and the sizes aside of the focus need their number
-constexpr scalar largestLoading = 1;
-
-} // End anonymous namespace
-
-
 scalar Feed::settlingSize(const Material& material, const word& phaseName) const
 {
     const auto mean = [&](const char* field)
@@ -94,7 +84,8 @@ void Feed::readFocus(const word& phaseName)
         return;
     }
 
-    const bool dilute = massFlow_ < largestLoading*gasMassFlow(phaseName);
+    // Else parcels must meet, and the sizes aside need their number
+    const bool dilute = isDilute(phaseName);
     for (Material& m : materials_)
     {
         if (given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,11 @@ from elutria.bench.stability_scenes import bed, column, contacts
 from elutria.case import PARAMETERS, Case
 from elutria.events import Events, read_run
 from elutria.run import run_case
+from elutria.scene import block_mesh_box, expect
 from elutria.verification.classification import GRAINS, loaded
 from elutria.verification.scene import CLOUD, read_gas, times
+
+Note = Callable[[str, float, float], None]
 
 
 @pytest.mark.parametrize(("start", "end"), [(3, 6), (6, 3), (0.1, 5)])
@@ -108,6 +112,40 @@ def test_parcels_so_heavy_that_they_shift_the_cut_are_told_of(tmp_path: Path) ->
         default_column(folder, 6, *(f"{PARAMETERS}:{text}" for text in settings))
         log = (folder / "log.elutriaFoam").read_text()
         assert ("parcels so heavy" in log) == told
+
+
+@pytest.mark.parametrize(
+    ("loading", "asked", "fed"),
+    [(0.2, 20, 20), (5, 20, 200), (5, 300, 707), (5, 800, 800)],
+    ids=["dilute", "ten times at most", "enough", "as many as asked for"],
+)
+def test_a_dense_feed_has_parcels_of_few_particles(
+    tmp_path: Path, loading: float, asked: int, fed: int
+) -> None:
+    """Some 4240 particles are fed; `elutria check` foresees as many parcels as the solver feeds."""
+    settings = (f"loading={loading}", f"particles={asked}", "feedTime=0.025", "drainTime=0.001")
+    case = default_column(tmp_path / "run", 4, *(f"{PARAMETERS}:{text}" for text in settings))
+    assert len(read_run(case.path).events) == fed
+    assert expect(case, 4, case.gas(), case.feed(), block_mesh_box(case)).parcels == fed
+    log = (case.path / "log.elutriaFoam").read_text()
+    assert (f"{fed - asked} more than asked for" in log) == (fed > asked)
+
+
+def test_gas_at_rest_is_the_gas_of_every_step(tmp_path: Path, measured: Note) -> None:
+    """A column in full feed: its load fluctuates by 5 % of the gas' momentum from block to block,
+    and all of that in passing."""
+    full = ("loading=0.2", "particles=800", "feedTime=0.2", "drainTime=0.001")
+    settings = tuple(f"{PARAMETERS}:{text}" for text in full)
+    plan = default_column(tmp_path / "plan", 4, *settings).path
+    every = default_column(tmp_path / "every", 4, *settings, "system/scenePlan:gas=on").path
+    gas = [read_gas(case, times(case)[-1]) for case in (plan, every)]
+    difference = np.sqrt(((gas[1] - gas[0]) ** 2).sum(axis=1).mean()) / 4
+    measured("rms difference of the gas over its velocity", difference, 0.02)
+    solves = [
+        int(re.findall(r"gas solved +(\d+) times", (case / "log.elutriaFoam").read_text())[0])
+        for case in (plan, every)
+    ]
+    assert solves[0] < solves[1] / 8
 
 
 def settling_steps(case: Path) -> int:

@@ -129,7 +129,11 @@ def _expected(case: Case, feed: Feed, scene: Scene) -> Table:
         tolerance = case.dictionary("system/scenePlan").number("gasTolerance", tolerance, above=0)
     rates = f"{scene.feed_rate * 1e3:.3g} g/s, {scene.particle_rate:.3g} per s"
     table.add_row("feed", _known(scene.feed_rate, rates), "")
-    if feed.particles is not None:
+    if feed.particles is not None and scene.parcels is not None:
+        if scene.parcels > feed.particles:
+            table.add_row(
+                "parcels fed", str(scene.parcels), "more than asked for, to collide as particles do"
+            )
         seconds = feed.duration if feed.spread else feed.particles / scene.particle_rate
         table.add_row("time to feed all", _known(seconds, f"{seconds:.3g} s"), "of process time")
     inside = f"{scene.inside:.3g} after {scene.residence:.2g} s each"

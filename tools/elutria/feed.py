@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, pi
+from math import ceil, inf, pi
 from pathlib import Path
 
 from elutria.dictionary import Dictionary, read_dictionary
@@ -12,8 +12,13 @@ from elutria.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
     "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
-    "particles", "parcels", "focus", "drainTime", "velocity", "seed", "materials",
+    "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity", "seed",
+    "materials",
 )  # fmt: skip
+LARGEST_DILUTE_LOADING = 1
+"""kg of solids per kg of gas, above which particles meet often enough that their number counts."""
+MOST_ADDED = 10
+"""Parcels that may be fed for each that is asked for."""
 LEAST_DENSITY = 10
 """kg/m3: less is a foam, or a density in g/cm3."""
 MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
@@ -46,6 +51,7 @@ class Feed:
     start: float
     duration: float
     particles: int | None
+    particles_per_parcel: float  # at most, where they crowd: see parcels_fed
     parcels: str  # particles: each parcel is one; evenMass, evenSizes: see Feed.H
     focus: str  # none, auto or a size in m, around which half of evenSizes' parcels lie
     drain_time: float
@@ -67,6 +73,15 @@ class Feed:
     def spread(self) -> bool:
         """Whether the parcels are spread over the duration (they stand for several particles)."""
         return self.parcels != "particles" and self.duration != inf and self.particles is not None
+
+    def parcels_fed(self, rate: float, loading: float) -> int | None:
+        """Parcels of a feed of `rate` (kg/s) at a loading (kg/kg): `particles`, or more where
+        each would be more than `particles_per_parcel`. As Feed.H; nan: not known, `particles`."""
+        if self.particles is None or not self.spread or not loading >= LARGEST_DILUTE_LOADING:
+            return self.particles
+        number = rate * self.duration / self.mean_particle_mass()
+        enough = min(number / self.particles_per_parcel, MOST_ADDED * self.particles)
+        return max(self.particles, ceil(enough))
 
     def mean_particle_mass(self) -> float:
         """Mass (kg) of the feed over its number of particles."""
@@ -103,6 +118,7 @@ def read_feed(case: Path) -> Feed:
         start=entries.number("start", 0.0, at_least=0, unit="s"),
         duration=duration,
         particles=None if particles is None else int(particles),
+        particles_per_parcel=entries.number("particlesPerParcel", inf, above=0),
         parcels=entries.word("parcels", ("particles", "evenMass", "evenSizes"), "particles"),
         focus=_read_focus(entries),
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),

@@ -15,6 +15,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ from elutria.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.events import read_run
 from elutria.files import read_json, write_json, writing_to
+from elutria.scene import block_mesh_box, expect
 from elutria.started import started_in
 
 if TYPE_CHECKING:
@@ -47,6 +49,15 @@ class Goal:
             return min(by_time, 1.0)
         by_number = (0.5 * step.fed + 0.5 * (step.fines + step.coarse)) / self.particles
         return min(max(by_number, by_time), 1.0)
+
+
+def _goal(case: Case, velocity: float) -> Goal:
+    """Of a meshed case at a gas velocity (m/s)."""
+    feed = case.feed()
+    parcels = feed.particles
+    if feed.particles_per_parcel < inf:
+        parcels = expect(case, velocity, case.gas(), feed, block_mesh_box(case)).parcels
+    return Goal(parcels, case.dictionary("system/controlDict").number("endTime", 0.0))
 
 
 def is_finished(folder: Path, fingerprint: str) -> bool:
@@ -89,12 +100,11 @@ def run_case(
         start = time.monotonic()
         copy = case.copy_to(folder, settings)
         write_json(folder / MARKER, {"case": case.name, "inputs": fingerprint})
-        velocity, feed = copy.velocity(), copy.feed()
+        velocity = copy.velocity()
         make_mesh(copy)
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
             shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
-        latest = copy.dictionary("system/controlDict").number("endTime", 0.0)
-        solve(folder, np, Goal(feed.particles, latest), on_step)
+        solve(folder, np, _goal(copy, velocity), on_step)
         read_run(folder)  # whole, or not finished
         seconds = time.monotonic() - start
         write_json(

@@ -63,6 +63,7 @@ class Scene:
     """Expected numbers of a run; nan where the column's size is not known beforehand."""
 
     feed_rate: float  # kg/s
+    parcels: int | None  # fed in all; None: until the feed's time is over
     particle_rate: float  # 1/s
     residence: float  # s, mean over the particles, of half the column
     inside: float  # particles
@@ -96,7 +97,8 @@ def expect(case: Case, velocity: float, gas: Gas, feed: Feed, box: Box | None) -
         )
     fall, diameter = np.concatenate(falls), np.concatenate(sizes)
     height, area = _column(case, box)
-    rate = feed.mass_flow_rate or (feed.loading or 0.0) * gas.density * velocity * area
+    gas_flow = gas.density * velocity * area
+    rate = feed.mass_flow_rate or (feed.loading or 0.0) * gas_flow
     number_rate = rate / feed.mean_particle_mass()
     # the slowest take as long as their own spread allows: no drift is below a tenth of the gas
     drift = np.maximum(np.abs(velocity - fall), 0.1 * velocity)
@@ -107,12 +109,13 @@ def expect(case: Case, velocity: float, gas: Gas, feed: Feed, box: Box | None) -
     cross_section = pi * float(np.mean(diameter**2))
     return Scene(
         feed_rate=rate,
+        parcels=feed.parcels_fed(rate, rate / gas_flow),
         particle_rate=number_rate,
         residence=residence,
         inside=inside,
         solids_fraction=density * pi / 6 * float(np.mean(diameter**3)),
         collision_time=1 / (density * cross_section * slip) if slip > 0 else inf,
-        gas_change=rate * residence * gravity / (gas.density * velocity**2 * area),
+        gas_change=rate * residence * gravity / (gas_flow * velocity),
         shortest_relaxation=float(np.min(fall)) / gravity,
         longest_relaxation=float(np.max(fall)) / gravity,
         fastest_fall=float(np.max(fall)),

@@ -123,7 +123,7 @@ void ScenePlan::makeBlocks()
     const scalar edge =
         cbrt(512*gSum(mesh.V())/mesh.globalData().nTotalCells());
 
-    Vector<label> counts;
+    Vector<label>& counts = blocks_;
     for (direction axis = 0; axis < vector::nComponents; ++axis)
     {
         counts[axis] = max(label(1), label(ceil(box.span()[axis]/edge)));
@@ -165,9 +165,42 @@ Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
 }
 
 
+scalar ScenePlan::gatheredForce(const vectorField& force) const
+{
+    const vector flow(gSum((gas_.U().primitiveField()*gas_.U().mesh().V())()));
+    direction along = 0;
+    for (direction axis = 1; axis < vector::nComponents; ++axis)
+    {
+        along = mag(flow[axis]) > mag(flow[along]) ? axis : along;
+    }
+    const label layers = blocks_[along];
+    const label stride =
+        along == 0 ? 1 : along == 1 ? blocks_.x() : blocks_.x()*blocks_.y();
+
+    scalar gathered = 0;
+    forAll(force, first)
+    {
+        if ((first/stride) % layers > 0)
+        {
+            continue;
+        }
+        vector passed(Zero);
+        scalar most = 0;
+        for (label k = 0; k < layers; ++k)
+        {
+            const label layer = flow[along] < 0 ? layers - 1 - k : k;
+            passed += force[first + layer*stride];
+            most = max(most, mag(passed));
+        }
+        gathered += most;
+    }
+    return gathered;
+}
+
+
 scalar ScenePlan::loadChange() const
 {
-    const scalar force = sum(mag(load_.force - lastLoad_.force));
+    const scalar force = gatheredForce(load_.force - lastLoad_.force);
     const scalar volume = sum(mag(load_.volume - lastLoad_.volume));
     return
         max
@@ -200,6 +233,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
+    collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.05);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     readState();
     if (retakes_ < 0)
@@ -212,6 +246,17 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+scalar ScenePlan::largestStep(const ElutriaCloud& cloud) const
+{
+    if (!cloud.feed() || !cloud.contacts())
+    {
+        return GREAT;
+    }
+    const scalar collisions = expect(*cloud.feed()).collisions;
+    return gas_.throughTime()*collisionsPerStep_/max(collisions, VSMALL);
+}
+
 
 bool ScenePlan::gasDue(const Time& runTime, const scalar window)
 {

@@ -244,11 +244,14 @@ void run(const argList& args)
     ending::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
+    const scalar largestStep = plan.largestStep(cloud);
+
     // What was over before is not gone on with
     bool drained = cloud.drained(cloud.count());
     while (!drained && runTime.run())
     {
         #include "readTimeControls.H"
+        maxDeltaT = min(maxDeltaT, largestStep);
         {
             const scalar CoNum = gas.courantRate()*runTime.deltaTValue();
             Info<< "Courant Number max: " << CoNum << endl;

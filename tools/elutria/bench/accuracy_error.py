@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import hypot, isfinite, nan
+from math import hypot, isfinite, nan, sqrt
+from statistics import fmean, stdev
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,8 @@ AROUND = np.exp(np.linspace(np.log(0.7), np.log(1.4), 71))
 """Where curves are compared, over the reference's d50."""
 
 ERRORS = (
-    "d50_error", "d50_noise", "sharpness_error", "sharpness_noise", "curve_error", "curve_noise",
+    "d50_error", "d50_noise", "d50_run", "sharpness_error", "sharpness_noise",
+    "curve_error", "curve_noise", "curve_run",
 )  # fmt: skip
 
 
@@ -90,22 +92,45 @@ def cut_of_curve(diameter: ArrayLike, share: ArrayLike) -> Cut:
     return Cut(float(d50), 0.0, float(d25 / d75), 0.0, sizes, shares)
 
 
-def errors(cut: Cut, reference: Cut) -> dict[str, float]:
-    """d50 relative, sharpness, and the curve's root-mean-square difference around the cut.
+def errors(cuts: Sequence[Cut], reference: Cut) -> dict[str, float]:
+    """Of runs that differ by their seed alone, against the reference: d50 relative, sharpness, and
+    the curve's root-mean-square difference around the cut.
 
-    The noise is one standard deviation of what both curves do not know; the curve's is what the
-    noise of d50 does to it.
+    `_error` is the mean over the runs (the curve's: of their mean curve), `_noise` one standard
+    deviation of what the runs together and the reference do not know; the curve's is what the
+    noise of d50 does to it. `_run` is what a single run is off by, chance included:
+    root-mean-square over the runs, never below the noise of one.
     """
     grid = AROUND * reference.d50
-    d50_noise = hypot(cut.d50_sd, reference.d50_sd) / reference.d50
+    d50 = [cut.d50 / reference.d50 - 1 for cut in cuts]
+    sharpness = [cut.sharpness - reference.sharpness for cut in cuts]
+    shares = np.array([cut.at(grid) - reference.at(grid) for cut in cuts])
+    one = hypot(fmean(cut.d50_sd for cut in cuts), reference.d50_sd) / reference.d50
+    d50_noise = mean_noise(d50, [cut.d50_sd / reference.d50 for cut in cuts],
+                           reference.d50_sd / reference.d50)  # fmt: skip
     return {
-        "d50_error": cut.d50 / reference.d50 - 1,
+        "d50_error": fmean(d50),
         "d50_noise": d50_noise,
-        "sharpness_error": cut.sharpness - reference.sharpness,
-        "sharpness_noise": hypot(cut.sharpness_sd, reference.sharpness_sd),
-        "curve_error": float(np.sqrt(np.mean((cut.at(grid) - reference.at(grid)) ** 2))),
+        "d50_run": max(_root_mean_square(d50), one),
+        "sharpness_error": fmean(sharpness),
+        "sharpness_noise": mean_noise(
+            sharpness, [cut.sharpness_sd for cut in cuts], reference.sharpness_sd
+        ),
+        "curve_error": _root_mean_square(shares.mean(axis=0)),
         "curve_noise": moved_by(reference, d50_noise),
+        "curve_run": max(_root_mean_square(shares), moved_by(reference, one)),
     }
+
+
+def _root_mean_square(values: ArrayLike) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def mean_noise(values: Sequence[float], fitted: Sequence[float], reference: float) -> float:
+    """Standard deviation of the values' mean less a reference that has its own: from the values'
+    scatter, or from the fit where there is one alone."""
+    of_one = stdev(values) if len(values) > 1 else fitted[0]
+    return hypot(of_one / sqrt(len(values)), reference)
 
 
 def moved_by(cut: Cut, shift: float) -> float:
@@ -115,8 +140,8 @@ def moved_by(cut: Cut, shift: float) -> float:
 
 
 def known_error(row: Mapping[str, Any], quantity: str) -> float:
-    """What the error is at least known to be below: itself, or its noise where that is larger."""
-    return max(abs(row[f"{quantity}_error"]), row[f"{quantity}_noise"])
+    """What a single run is off by, chance included."""
+    return float(row[f"{quantity}_run"])
 
 
 def front(costs: Sequence[float], faults: Sequence[float]) -> list[bool]:
@@ -149,7 +174,7 @@ class Verdict:
 def beside_stock(
     stock: Mapping[str, Any], ours: Iterable[Mapping[str, Any]], quantity: str
 ) -> Verdict:
-    """The best of `ours` beside a row of stock's. An error below its noise counts as the noise."""
+    """The best of `ours` beside a row of stock's, by what a single run is off by."""
     error, seconds = known_error(stock, quantity), float(stock["seconds"])
     rows = [row for row in ours if isfinite(known_error(row, quantity))]
     as_good = [row for row in rows if known_error(row, quantity) <= error]

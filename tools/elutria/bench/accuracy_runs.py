@@ -16,13 +16,15 @@ from typing import Any
 
 from elutria.bench.common import processor_time, project_root
 from elutria.case import Case
-from elutria.events import Run, join, read_run
+from elutria.events import Run, read_run
 from elutria.files import read_json, write_json, write_text
 from elutria.run import is_finished, run_case
 from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
 
-FEED_TIME, DRAIN_TIME, STEP = 0.25, 4.0, 1e-3
-"""s: of the feed, from its end to the run's end, and the time step of a point that has no other."""
+FEED_TIME, DRAIN_TIME = 0.25, 4.0
+"""s: of the feed, and from its end to the run's end."""
+STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.05
+"""Limits of the case's time step: s, cells that the gas crosses in it, collisions of a particle."""
 
 Changes = Mapping[str, Any]
 
@@ -43,8 +45,6 @@ class Scene:
             f"{BOX}:particles": parcels,
             f"{BOX}:feedTime": FEED_TIME,
             f"{BOX}:drainTime": DRAIN_TIME,
-            f"{CONTROL}:deltaT": STEP,
-            f"{CONTROL}:maxDeltaT": STEP,
             f"{CONTROL}:writeInterval": 1000,
         }
 
@@ -58,7 +58,7 @@ DENSE = Scene("dense column, 4 m/s, loading 5", 4, 5)
 class Point:
     """What is changed for a run. `parcels` multiplies the usual number, `mesh` the cells along
     each edge; `fast`, `dense` say whether those scenes are run with it too, `column` whether any
-    but the dense one is."""
+    but the dense one is; `once`, that it takes minutes and is run from one seed."""
 
     name: str
     changes: Changes = field(default_factory=dict)
@@ -67,6 +67,7 @@ class Point:
     fast: bool = True
     dense: bool = True
     column: bool = True
+    once: bool = False
 
     def belongs_to(self, scene: Scene) -> bool:
         """Whether the scene is run with it."""
@@ -76,8 +77,13 @@ class Point:
 
 
 def step(factor: float) -> Changes:
-    """The time step over STEP, whatever the gas' Courant number."""
-    return {f"{CONTROL}:deltaT": factor * STEP, f"{CONTROL}:adjustTimeStep": False}
+    """The time step over the case's, with all that limits it."""
+    return {
+        f"{CONTROL}:deltaT": factor * STEP,
+        f"{CONTROL}:maxDeltaT": factor * STEP,
+        f"{CONTROL}:maxCo": factor * COURANT,
+        "system/scenePlan:collisionsPerStep": factor * COLLISIONS,
+    }
 
 
 def drag(law: str) -> Changes:
@@ -100,48 +106,52 @@ STOCK_MODELS: Changes = {
 
 PLAN = "the plan"
 COARSE = "one-way, step x 2, mesh x 0.6"
+FINE = "one-way, mesh x 1.5, parcels x 3"
 POINTS = (
     Point(PLAN),
     Point("parcels / 3", parcels=1 / 3, dense=False),
-    Point("parcels x 3", parcels=3, fast=False),
+    Point("parcels x 3", parcels=3, fast=False, dense=False),
     Point("parcels x 10", parcels=10),
-    Point("soft contacts", SOFT, fast=False, dense=False),
+    Point("parcels of 12 particles", {"constant/feed:particlesPerParcel": 12}, column=False),
+    Point("parcels of 35 particles", {"constant/feed:particlesPerParcel": 35}, column=False),
+    Point("soft contacts", SOFT, fast=False, dense=False, once=True),
     Point("one-way", ONE_WAY),
     Point("one-way, parcels x 10", ONE_WAY, parcels=10, dense=False),
     Point("no contacts", NO_CONTACTS, dense=False),
-    Point("step / 2", step(0.5), fast=False, dense=False),
-    Point("step x 2", step(2), dense=False),
-    Point("step x 4", step(4)),
+    Point("step / 4", step(0.25)),
+    Point("step / 2", step(0.5)),
+    Point("step x 2", step(2)),
     Point("mesh x 0.6", mesh=0.6),
     Point("mesh x 1.5", mesh=1.5, fast=False, dense=False),
     Point("gas on every step, mesh x 0.6", GAS_ON, mesh=0.6, fast=False, dense=False),
     Point("everything on, mesh x 0.6, parcels / 3", {**GAS_ON, **SOFT}, 1 / 3, 0.6,
-          fast=False, dense=False),
-    Point("one-way, step x 2, mesh x 1.5, parcels x 3", {**ONE_WAY, **step(2)}, 3, 1.5,
-          dense=False),
+          fast=False, dense=False, once=True),
+    Point(FINE, ONE_WAY, 3, 1.5, dense=False),
     Point("step x 2, mesh x 0.6", step(2), mesh=0.6, dense=False),
     Point("one-way, step x 2, parcels / 3", {**ONE_WAY, **step(2)}, parcels=1 / 3, dense=False),
     Point("one-way, step x 2", {**ONE_WAY, **step(2)}, dense=False),
-    Point("one-way, step x 2, parcels x 3", {**ONE_WAY, **step(2)}, 3, dense=False),
+    Point("one-way, parcels x 3", ONE_WAY, 3, dense=False),
     Point(f"{COARSE}, parcels / 3", {**ONE_WAY, **step(2)}, 1 / 3, 0.6, dense=False),
     Point(COARSE, {**ONE_WAY, **step(2)}, mesh=0.6, dense=False),
     Point(f"{COARSE}, parcels x 3", {**ONE_WAY, **step(2)}, 3, 0.6, dense=False),
     Point("gas by points", BY_POINTS, dense=False),
     Point("gas by points, mesh x 0.6", BY_POINTS, mesh=0.6, fast=False, dense=False),
-    Point("gas by points, one-way, step x 2, mesh x 1.5, parcels x 3",
-          {**BY_POINTS, **ONE_WAY, **step(2)}, 3, 1.5, fast=False, dense=False),
+    Point(f"gas by points, {FINE}", {**BY_POINTS, **ONE_WAY}, 3, 1.5, fast=False, dense=False),
     Point("emptied for 1 s", {f"{BOX}:drainTime": 1}, dense=False),
     Point("no focus", {"constant/feed:focus": "none"}, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
-    Point("parcels particles", REAL, fast=False),
-    Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False),
+    Point("parcels particles", REAL, fast=False, dense=False),
+    Point("parcels particles, step / 2", {**REAL, **step(0.5)}, column=False, once=True),
+    Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False, once=True),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
-REFERENCE = Point("mesh x 1.5, emptied for 8 s", {f"{BOX}:drainTime": 8}, mesh=1.5)
+REFERENCE = Point("mesh x 1.5, step / 2, emptied for 8 s", {**step(0.5), f"{BOX}:drainTime": 8},
+                  mesh=1.5)  # fmt: skip
 DENSE_REFERENCE = Point(
-    "parcels particles, gas tolerance / 2", {**REAL, "system/scenePlan:gasTolerance": 0.005}
+    "parcels particles, step / 2, gas tolerance / 2",
+    {**REAL, **step(0.5), "system/scenePlan:gasTolerance": 0.005},
 )
-"""The finest that a few minutes can pay; the points show what further refinements change."""
+"""The finest that a few minutes can pay; each is refined further to see what that changes."""
 
 
 @dataclass(frozen=True)
@@ -200,11 +210,11 @@ def replicates(
     point: Point,
     parcels: int,
     seeds: Iterable[int],
-    say: Callable[[str], None],
-) -> Done:
-    """Runs with several seeds taken together."""
+    say: Callable[[str], None] = lambda _: None,
+) -> list[Done]:
+    """Runs that differ by their seed alone, in FOLDER/seedN."""
     runs = []
     for seed in seeds:
         runs.append(run_point(folder / f"seed{seed}", scene, point, parcels, seed))
-        say(f"{scene.name}, reference, seed {seed}: {runs[-1].seconds:.0f} s")
-    return Done(join([one.run for one in runs]), sum(one.seconds for one in runs))
+        say(f"{scene.name}, {point.name}, seed {seed}: {runs[-1].seconds:.3g} s")
+    return runs

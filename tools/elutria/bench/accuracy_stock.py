@@ -21,7 +21,6 @@ from elutria.bench.accuracy_runs import (
     DENSE,
     DRAIN_TIME,
     FEED_TIME,
-    STEP,
     STOCK_LIKE,
     Changes,
     Done,
@@ -40,6 +39,8 @@ from elutria.verification.scene import CLOUD, CONTROL, MODELS, change
 
 START = 0.2
 """s, of the stretches."""
+STEP, CELL = 1e-3, 5e-3
+"""s, stock's step; m."""
 DENSE_PARTS = 10
 """Parts of a step that the dense scene's stretches go in: its 38 000 particles take minutes each.
 The gas is solved for each, which is hardly felt beside the contacts."""
@@ -123,13 +124,13 @@ def stretches(
     return found
 
 
-def run_mppic(folder: Path, scene: Scene, parcels: int, step: float = STEP) -> Done:
+def run_mppic(folder: Path, scene: Scene, parcels: int) -> Done:
     """MPPICFoam on the same column with models of its own: parcels of equal mass by
     patchInjection, sphereDrag, stochastic dispersion, tutorial's collision damping and isotropy.
 
-    `step` (s) is the largest at which the gas crosses less than a cell. Raises ElutriaError when
-    it fails.
+    The gas crosses less than a cell in a step. Raises ElutriaError when it fails.
     """
+    step = STEP if scene.velocity * STEP < CELL else STEP / 2
     case, record = folder / "case", folder / "run.json"
     if not record.is_file():
         make_case(folder, scene, Point("stock MPPICFoam"), parcels)

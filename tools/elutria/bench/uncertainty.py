@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import hypot, isfinite, nan
 from pathlib import Path
+from statistics import fmean, median
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -17,8 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
-from elutria.bench.accuracy_error import Cut, cut_of_events
-from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, run_point
+from elutria.bench.accuracy_error import Cut, cut_of_events, mean_noise
+from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, replicates
 from elutria.bench.common import slug
 from elutria.errors import ElutriaError
 from elutria.plots import COLUMN_WIDTH
@@ -106,17 +107,22 @@ VARIED: Mapping[str, Mapping[str, Changes]] = {
         "1": {f"{BOX}:loading": 1},
     },
 }
-NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 2", "step x 4", "soft contacts", "gas by points")
+NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 4", "step x 2", "soft contacts", "gas by points")
 QUICK, QUICK_MESH = ("drag law", "restitution"), 0.6
 QUICK_BASE = "mesh x 0.6"
 
 
-def measure(runs: Path, parcels: int, quick: bool, say: Callable[[str], None]) -> list[Row]:
-    """A row per varied thing, numerics and chance included; those that fail say why."""
+def measure(
+    runs: Path, parcels: int, seeds: Sequence[int], quick: bool, say: Callable[[str], None]
+) -> list[Row]:
+    """A row per varied thing, numerics and chance included, each from the same seeds; those that
+    fail say why."""
 
-    def run(point: Point) -> tuple[Cut, float]:
-        done = run_point(runs / slug(SCENE.name, point.name), SCENE, point, parcels)
-        return cut_of_events(done.run.events), done.seconds
+    def run(point: Point) -> tuple[list[Cut], float]:
+        folder = runs / slug(SCENE.name, point.name)
+        done = replicates(folder, SCENE, point, parcels, seeds[:1] if point.once else seeds)
+        cuts = [cut_of_events(one.run.events) for one in done]
+        return cuts, median(one.seconds for one in done)
 
     known = {point.name: point for point in POINTS}
     base, seconds = run(known[QUICK_BASE if quick else BASE])
@@ -141,30 +147,44 @@ def measure(runs: Path, parcels: int, quick: bool, say: Callable[[str], None]) -
     return rows
 
 
-def change_of(group: str, what: str, cut: Cut, base: Cut, seconds: float) -> Row:
-    """What changed against the run that all are compared with; noise is one deviation of both."""
+def change_of(
+    group: str, what: str, cuts: Sequence[Cut], base: Sequence[Cut], seconds: float
+) -> Row:
+    """What changed against the runs that all are compared with; noise is one deviation of both."""
+    changed, compared = _mean(cuts), _mean(base)
     return {
         "group": group,
         "what": what,
-        "d50_m": cut.d50,
-        "d50_change": cut.d50 / base.d50 - 1,
-        "d50_noise": hypot(cut.d50_sd, base.d50_sd) / base.d50,
-        "sharpness": cut.sharpness,
-        "sharpness_change": cut.sharpness - base.sharpness,
-        "sharpness_noise": hypot(cut.sharpness_sd, base.sharpness_sd),
+        "d50_m": changed["d50"],
+        "d50_change": changed["d50"] / compared["d50"] - 1,
+        "d50_noise": hypot(changed["d50_noise"], compared["d50_noise"]) / compared["d50"],
+        "sharpness": changed["sharpness"],
+        "sharpness_change": changed["sharpness"] - compared["sharpness"],
+        "sharpness_noise": hypot(changed["sharpness_noise"], compared["sharpness_noise"]),
         "seconds": seconds,
         "note": "",
     }
 
 
-def _chance(name: str, base: Cut, seconds: float) -> Row:
-    """The noise of the compared run itself: one deviation."""
-    row = change_of("chance", f"{name}, one deviation", base, base, seconds)
+def _mean(cuts: Sequence[Cut]) -> dict[str, float]:
+    """d50 (m) and sharpness, with the standard deviation of their means."""
+    d50, sharpness = [cut.d50 for cut in cuts], [cut.sharpness for cut in cuts]
     return {
-        **row,
-        "d50_change": base.d50_sd / base.d50,
+        "d50": fmean(d50),
+        "d50_noise": mean_noise(d50, [cut.d50_sd for cut in cuts], 0),
+        "sharpness": fmean(sharpness),
+        "sharpness_noise": mean_noise(sharpness, [cut.sharpness_sd for cut in cuts], 0),
+    }
+
+
+def _chance(name: str, base: Sequence[Cut], seconds: float) -> Row:
+    """The noise of the compared runs themselves: one deviation."""
+    own = _mean(base)
+    return {
+        **change_of("chance", f"{name}, one deviation", base, base, seconds),
+        "d50_change": own["d50_noise"] / own["d50"],
         "d50_noise": 0.0,
-        "sharpness_change": base.sharpness_sd,
+        "sharpness_change": own["sharpness_noise"],
         "sharpness_noise": 0.0,
     }
 
