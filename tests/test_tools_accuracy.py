@@ -81,9 +81,8 @@ def test_the_noise_says_how_far_events_are_off_their_own_curve() -> None:
         noise = np.array([one[f"{quantity}_noise"] for one in found])
         assert 0.4 < np.sqrt(np.mean(off**2)) / np.mean(noise) < 1.7
     many = errors([cut_of_events(events_of(24000, 500e-6))], truth)
-    assert np.mean([one["d50_noise"] for one in found]) / many["d50_noise"] == pytest.approx(
-        4, rel=0.2
-    )
+    fewer = np.mean([one["d50_noise"] for one in found]) / many["d50_noise"]
+    assert 2.2 < fewer < 4.8  # 4 if it were known that the curve is a formula's
 
 
 def test_runs_together_know_more_than_one_and_what_one_is_off_by() -> None:

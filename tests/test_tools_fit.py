@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import log
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from elutria.curves import MODELS, Model
 from elutria.fit import LEVELS, CurveFit, PartitionFit, fit_partition, relative_weights
@@ -117,6 +121,58 @@ def test_intervals_cover_for_all_models(
 ) -> None:
     covered = coverage(model, log_shape, bypass, number, 200)
     assert np.all((covered >= 0.90) & (covered <= 0.99)), covered
+
+
+def bent(y: Array) -> Array:
+    """Logit over ln d/d50 of a column's curve: twice as steep above the cut as at it and below."""
+    return np.asarray(55 * y + 55 * np.maximum(y - 0.015, 0))
+
+
+def draw_bent(number: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+    random = np.random.default_rng(seed)
+    y = random.normal(0, 0.2, number)
+    return CUT * np.exp(y), random.random(number) < expit(bent(y))
+
+
+@pytest.mark.parametrize("number", [1_000, 5_000, 20_000])
+def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int) -> None:
+    """With many events the likeliest formula's d50 is one of two that lie 0.4 % apart."""
+    sets = 25
+    fits = [fit_partition(*draw_bent(number, seed)) for seed in range(sets)]
+    at = CUT * np.exp(np.array([-0.03, -0.01, 0, 0.01, 0.03]))
+    truth = {0.25: -log(3) / 55, 0.5: 0.0, 0.75: (log(3) + 0.825) / 110}
+    for level, y in truth.items():
+        off = np.array([np.log(fit.sizes[level][0] / CUT) - y for fit in fits])
+        width = np.log([fit.sizes[level][2] / fit.sizes[level][1] for fit in fits]).mean()
+        assert abs(off.mean()) < 0.25 * width
+        assert np.mean([a <= CUT * np.exp(y) <= b for _, a, b in map(_at(level), fits)]) > 0.85
+    bands = [fit.band(at) for fit in fits]
+    held = [(low <= expit(bent(np.log(at / CUT)))) & (high >= expit(bent(np.log(at / CUT))))
+            for _, low, high in bands]  # fmt: skip
+    assert np.mean(held) > 0.88
+
+
+def _at(level: float) -> Callable[[PartitionFit], tuple[float, float, float]]:
+    return lambda fit: fit.sizes[level]
+
+
+def test_few_events_keep_the_formula_and_many_do_not() -> None:
+    def moved(number: int) -> float:
+        fits = [fit_partition(*draw_bent(number, seed), intervals=False) for seed in range(12)]
+        formulas = [fit.best.diameter_at(0.5) if fit.best else np.nan for fit in fits]
+        return float(np.std(np.log([fit.d50 for fit in fits]) - np.log(formulas)))
+
+    assert moved(200) < 0.002 * 0.5
+    assert moved(20_000) > 0.001
+
+
+def test_a_formula_that_made_the_events_has_no_misfit() -> None:
+    fit = fit_partition(*draw(MODELS[0], 4.0, 0.0, 20_000, 1), intervals=False)
+    assert fit.best is not None
+    assert fit.d50 == pytest.approx(fit.best.diameter_at(0.5), rel=0.002)
+    at = np.geomspace(0.8, 1.25, 40) * CUT
+    assert fit.share(at) == pytest.approx(fit.best.share(at), abs=0.04)
+    assert np.all(np.diff(fit.share(at)) > 0)
 
 
 def test_bands_cover_the_curve_as_often_as_they_say() -> None:

@@ -3,8 +3,10 @@
 Each parcel that left is one Bernoulli trial: coarse with probability T(d). Nothing is binned. Every
 model is fitted with and without bypass, ranked by Akaike's criterion; d25, d50, d75 of the best one
 get 95 % intervals from the profile likelihood: all values that a likelihood-ratio test would not
-reject at 5 %. Statistical weights enter relative to parcels of like size, since a choice by size
-alone tells nothing about T(d), and their spread lowers the effective number of events (Kish).
+reject at 5 %. What the best model leaves of the
+events moves the sizes and widens their intervals (misfit.py). Statistical weights enter relative to
+parcels of like size, since a choice by size alone tells nothing about T(d), and their spread lowers
+the effective number of events (Kish).
 
 When every coarse parcel is larger than every fine one, the likeliest curve is a step in the gap,
 but no certain one: the intervals hold what the models' likelihood does not reject beside it.
@@ -22,6 +24,7 @@ from scipy.special import chdtri
 
 from elutria.curves import MODELS, Model
 from elutria.likelihood import MAX_BYPASS, Likelihood, maximize
+from elutria.misfit import Misfit, find_misfit
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -103,7 +106,8 @@ class CurveFit:
 
 @dataclass(frozen=True)
 class PartitionFit:
-    """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one.
+    """Fits ranked best first, and `sizes[level] = (d, low, high)` in m from the best one with its
+    `misfit`, what it leaves of the events.
 
     A size is nan where the curve does not reach its level within the sizes that left; an interval
     that the events do not close ends at 0 or inf. `parted` holds the events of a step.
@@ -112,11 +116,16 @@ class PartitionFit:
     ranked: list[CurveFit]
     sizes: dict[float, tuple[float, float, float]]
     parted: Likelihood | None = None
+    misfit: Misfit | None = None
 
     @property
     def best(self) -> CurveFit | None:
         """The fit with the smallest AIC, None when there is nothing to fit."""
         return self.ranked[0] if self.ranked else None
+
+    def share(self, diameter: Array) -> Array:
+        """T at `diameter` (m). There must be a fit."""
+        return self.misfit.share(diameter) if self.misfit else self.ranked[0].share(diameter)
 
     def band(self, diameter: Array) -> tuple[Array, Array, Array]:
         """T at `diameter` (m) with its pointwise 95 % limits.
@@ -143,7 +152,9 @@ class PartitionFit:
             if slack > 0:
                 lower, upper = fit.limits(diameter, sqrt(slack))
                 low, high = np.minimum(low, lower), np.maximum(high, upper)
-        return share, low, high
+        if self.misfit:
+            low, high = self.misfit.band(diameter, low, high)
+        return self.share(diameter), low, high
 
     @property
     def d25(self) -> float:
@@ -192,16 +203,22 @@ def fit_partition(
     known = [fit for fit in fits if fit.bypass == 0 or fit.finest_is_seen(diameter.min())]
     ranked = sorted(known, key=lambda fit: fit.aic)
     best = ranked[0]
+    misfit = _misfit(likelihood, best)
     sizes = {}
     for level in LEVELS:
         value = best.diameter_at(level)
         if not diameter.min() <= value <= diameter.max():
             sizes[level] = (nan, nan, nan)
-        elif intervals:
-            sizes[level] = (value, *_interval(likelihood, ranked, level))
-        else:
-            sizes[level] = (value, nan, nan)
-    return PartitionFit(ranked, sizes)
+            continue
+        ends = _interval(likelihood, ranked, level) if intervals else (nan, nan)
+        sizes[level] = misfit.size(value, *ends) if misfit else (value, *ends)
+    return PartitionFit(ranked, sizes, misfit=misfit)
+
+
+def _misfit(likelihood: Likelihood, best: CurveFit) -> Misfit | None:
+    assert best.model is not None
+    p = np.array([best.log_diameter, best.log_shape, best.bypass])
+    return find_misfit(likelihood, best.model, p, [0, 1, 2][: best.parameters], best.diameter_at)
 
 
 def _directions(dimensions: int) -> Array:

@@ -43,23 +43,31 @@ class Likelihood:
         self, model: Model, p: Array, level: float | None = None
     ) -> tuple[float, Array, Array]:
         """ln L, its gradient (3) and the expected information (3 x 3)."""
-        center, by_shape, by_bypass = _center(model, p, level)
-        logit, along, shape = model.logit(self.log_diameter - center, p[1])
-        bypass = p[2]
-        inner = expit(logit)
-        share = bypass + (1 - bypass) * inner
-        # dT/dp over T (1 - T), columns p; 1 - T = (1 - bypass)(1 - inner)
-        steep = inner / np.maximum(share, 1e-300)
-        columns = np.stack(
-            [
-                -steep * along,
-                steep * (shape - along * by_shape),
-                1 / (np.maximum(share, 1e-12) * (1 - bypass)) - steep * along * by_bypass,
-            ]
-        )
+        logit, share, columns = sensitivity(model, p, self.log_diameter, level)
         gradient = columns @ (self.weight * (self.coarse - share))
         information = (columns * (self.weight * share * (1 - share))) @ columns.T
-        return float(self.weight @ self._log_chance(logit, bypass)), gradient, information
+        return float(self.weight @ self._log_chance(logit, p[2])), gradient, information
+
+
+def sensitivity(
+    model: Model, p: Array, log_diameter: Array, level: float | None = None
+) -> tuple[Array, Array, Array]:
+    """The logit without bypass and T at each ln d, and the derivatives (3, n) of T's logit by p."""
+    center, by_shape, by_bypass = _center(model, p, level)
+    logit, along, shape = model.logit(log_diameter - center, p[1])
+    bypass = p[2]
+    inner = expit(logit)
+    share = bypass + (1 - bypass) * inner
+    # dT/dp over T (1 - T); 1 - T = (1 - bypass)(1 - inner)
+    steep = inner / np.maximum(share, 1e-300)
+    columns = np.stack(
+        [
+            -steep * along,
+            steep * (shape - along * by_shape),
+            1 / (np.maximum(share, 1e-12) * (1 - bypass)) - steep * along * by_bypass,
+        ]
+    )
+    return logit, share, columns
 
 
 def _center(model: Model, p: Array, level: float | None) -> tuple[float, float, float]:

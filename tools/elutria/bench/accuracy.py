@@ -115,7 +115,7 @@ def _scene(
                    lambda f=folder, p=point: _runs(options, f, scene, p, parcels))
         )  # fmt: skip
         options.say(report.line(rows[-1]))
-    return rows + _stock(options, runs, scene, parcels, reference.cut)
+    return rows + _stock(options, runs, scene, reference.cut)
 
 
 def _runs(options: Options, folder: Path, scene: Scene, point: Point, parcels: int) -> list[Done]:
@@ -123,7 +123,7 @@ def _runs(options: Options, folder: Path, scene: Scene, point: Point, parcels: i
     return replicates(folder, scene, point, parcels, seeds)
 
 
-def _stock(options: Options, runs: Path, scene: Scene, parcels: int, reference: Cut) -> list[Row]:
+def _stock(options: Options, runs: Path, scene: Scene, reference: Cut) -> list[Row]:
     """Stock's rows: MPPICFoam to the end, DPMFoam by a stretch."""
     rows = []
     if options.quick:
@@ -132,7 +132,7 @@ def _stock(options: Options, runs: Path, scene: Scene, parcels: int, reference: 
         folder = runs / slug(scene.name, "mppic")
         rows.append(
             _tried(scene, "stock MPPICFoam", "stock", reference,
-                   lambda: [run_mppic(folder, scene, 3 * parcels)])
+                   lambda: [run_mppic(folder, scene)])
         )  # fmt: skip
     folder = runs / slug(scene.name, "stock")
     try:

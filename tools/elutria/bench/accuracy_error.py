@@ -7,7 +7,7 @@ difference below that of both curves together tells nothing.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import hypot, isfinite, nan, sqrt
 from statistics import fmean, stdev
 from typing import Any
@@ -63,26 +63,13 @@ def cut_of_events(events: Events) -> Cut:
         fit.sharpness,
         sharpness_deviation(fit),
         diameter,
-        fit.best.share(diameter),
+        fit.share(diameter),
     )
 
 
 def sharpness_deviation(fit: PartitionFit) -> float:
-    """Standard deviation of d25/d75: half its change over the shape's own deviation either way.
-
-    A shape that is hardly known (ln s to more than 1) counts as known to 1.
-    """
-    best = fit.best
-    if best is None or best.model is None or best.covariance is None:
-        return nan
-    step = min(float(np.sqrt(best.covariance[1, 1])), 1.0)
-
-    def sharpness(log_shape: float) -> float:
-        shape = float(np.clip(log_shape, *best.model.bounds)) if best.model else log_shape
-        moved = replace(best, log_shape=shape)
-        return moved.diameter_at(0.25) / moved.diameter_at(0.75)
-
-    return abs(sharpness(best.log_shape + step) - sharpness(best.log_shape - step)) / 2
+    """Standard deviation of d25/d75; nan where the curve's shape cannot be told."""
+    return fit.misfit.sharpness_deviation(fit.d25, fit.d75) if fit.misfit else nan
 
 
 def cut_of_curve(diameter: ArrayLike, share: ArrayLike) -> Cut:

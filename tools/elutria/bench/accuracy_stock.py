@@ -124,16 +124,17 @@ def stretches(
     return found
 
 
-def run_mppic(folder: Path, scene: Scene, parcels: int) -> Done:
-    """MPPICFoam on the same column with models of its own: parcels of equal mass by
-    patchInjection, sphereDrag, stochastic dispersion, tutorial's collision damping and isotropy.
+def run_mppic(folder: Path, scene: Scene) -> Done:
+    """MPPICFoam on the same column with models of its own: sphereDrag, stochastic dispersion,
+    tutorial's collision damping and isotropy. Every parcel is one particle: with parcels of equal
+    mass patchInjection drops those grains that outweigh one.
 
     The gas crosses less than a cell in a step. Raises ElutriaError when it fails.
     """
     step = STEP if scene.velocity * STEP < CELL else STEP / 2
     case, record = folder / "case", folder / "run.json"
     if not record.is_file():
-        make_case(folder, scene, Point("stock MPPICFoam"), parcels)
+        make_case(folder, scene, Point("stock MPPICFoam"), 0)
         change(
             case,
             {
@@ -143,7 +144,7 @@ def run_mppic(folder: Path, scene: Scene, parcels: int) -> Done:
                 f"{CONTROL}:writeInterval": FEED_TIME + DRAIN_TIME,
             },
         )
-        _write_mppic_cloud(case, scene, parcels)
+        _write_mppic_cloud(case, scene)
         before = processor_time()
         run_program(["blockMesh"], case)
         run_program(["MPPICFoam"], case)
@@ -151,21 +152,23 @@ def run_mppic(folder: Path, scene: Scene, parcels: int) -> Done:
     return Done(_left(case), float(read_json(record)["seconds"]))
 
 
-def _write_mppic_cloud(case: Path, scene: Scene, parcels: int) -> None:
+def _write_mppic_cloud(case: Path, scene: Scene) -> None:
     """Its cloud's properties, from the case's own and from constant/feed."""
     feed, gas = Case(case).feed(), Case(case).gas()
     material = feed.materials[0]
     limits = np.geomspace(feed.smallest, feed.largest, 61)
     middle = 0.5 * (limits[1:] + limits[:-1])
-    density = np.diff(material.sizes.mass_share_below(limits)) / np.diff(limits)
+    by_number = np.diff(material.sizes.mass_share_below(limits)) / middle**3
+    density = by_number / np.diff(limits) / by_number.sum()
     area = 0.05**2  # m2, of the shaft
     rate = scene.loading * gas.density * scene.velocity * area
     injection = {
         "type": "patchInjection",
-        "parcelBasisType": "mass",
+        "parcelBasisType": "fixed",
+        "nParticle": 1,
         "patch": feed.place,
         "U0": list(feed.velocity),
-        "parcelsPerSecond": parcels / FEED_TIME,
+        "parcelsPerSecond": rate / feed.mean_particle_mass(),
         "massTotal": rate * FEED_TIME,
         "flowRateProfile": ("constant", 1),
         "SOI": 0,
