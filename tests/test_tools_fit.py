@@ -119,8 +119,9 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 def test_intervals_cover_for_all_models(
     model: Model, bypass: float, log_shape: float, number: int
 ) -> None:
+    """Or oftener: that the curve is a formula's is not taken for granted."""
     covered = coverage(model, log_shape, bypass, number, 200)
-    assert np.all((covered >= 0.90) & (covered <= 0.99)), covered
+    assert np.all(covered >= 0.90), covered
 
 
 def bent(y: Array) -> Array:
