@@ -131,6 +131,23 @@ def test_a_dense_feed_has_parcels_of_few_particles(
     assert (f"{fed - asked} more than asked for" in log) == (fed > asked)
 
 
+def test_steps_are_as_short_as_crowds_need(tmp_path: Path) -> None:
+    """A particle collides 0.05 times in a step at most, as expected of the whole column."""
+    longest = {}
+    for loading in (0.2, 5, 10):
+        settings = (f"loading={loading}", "particles=5", "feedTime=0.02", "drainTime=0.01")
+        folder = tmp_path / f"{loading:g}"
+        default_column(folder, 4, *(f"{PARAMETERS}:{text}" for text in settings))
+        log = (folder / "log.elutriaFoam").read_text()
+        longest[loading] = max(float(step) for step in re.findall(r"^deltaT = (\S+)", log, re.M))
+        if loading > 1:
+            collisions = float(re.findall(r"(\S+) collisions a particle", log)[0])
+            stay = 0.5 / 4  # s, of the gas in the column
+            assert longest[loading] == pytest.approx(0.05 * stay / collisions, rel=0.01)
+    assert longest[0.2] == pytest.approx(4e-3)
+    assert longest[5] == pytest.approx(2 * longest[10], rel=0.01)
+
+
 def test_gas_at_rest_is_the_gas_of_every_step(tmp_path: Path, measured: Note) -> None:
     """A column in full feed: its load fluctuates by 5 % of the gas' momentum from block to block,
     and all of that in passing."""
