@@ -185,16 +185,14 @@ scalar ScenePlan::gatheredForce(const vectorField& force) const
             continue;
         }
         vector passed(Zero);
-        scalar most = 0;
         for (label k = 0; k < layers; ++k)
         {
             const label layer = flow[along] < 0 ? layers - 1 - k : k;
             passed += force[first + layer*stride];
-            most = max(most, mag(passed));
+            gathered += mag(passed);
         }
-        gathered += most;
     }
-    return gathered;
+    return gathered/layers;
 }
 
 
