@@ -101,6 +101,7 @@ private:
     void checkPair(std::uint32_t i, std::uint32_t j);
     WallLook lookForWalls(std::size_t i, double duration) const;
     void separateOverlaps(StepReport& report);
+    void moveOutOfWalls(Traveller& t) const;
     void makeIslands();
     void add(std::uint32_t particle, std::uint32_t island);
     void runIslands(double duration);

@@ -140,31 +140,41 @@ Hybrid::WallLook Hybrid::lookForWalls(std::size_t i, double duration) const
 }
 
 
-/// Moves the listed overlaps apart, centre of mass kept; velocities stay.
+/// Moves the listed overlaps apart, both alike, and out of walls; velocities stay. No move takes a
+/// centre through a wall that its sphere is out of.
 void Hybrid::separateOverlaps(StepReport& report)
 {
-    std::vector<WallContact> contacts;
     report.separated += overlaps_.size();
     for (int sweep = 0; sweep < separationSweeps; ++sweep)
         for (const Candidate& overlap : overlaps_)
         {
             Traveller& a = start_[overlap.first];
-            if (overlap.second == none)
-            {
-                walls_.contacts(a.flight.position, a.radius, 0, contacts);
-                for (const WallContact& c : contacts)
-                    a.flight.position -= c.gap*(1 + 1e-9)*c.normal;
-                continue;
-            }
+            moveOutOfWalls(a);
+            if (overlap.second == none) continue;
             Traveller& b = start_[overlap.second];
+            moveOutOfWalls(b);
             Vector3 apart = settings_.box.shortest(a.flight.position - b.flight.position);
             const double distance = norm(apart), sum = a.radius + b.radius;
             if (distance >= sum) continue;
             apart = distance > 0 ? (1/distance)*apart : Vector3{0, 0, 1};
-            const Vector3 move = ((sum - distance)*(1 + 1e-9)/(a.mass + b.mass))*apart;
-            a.flight.position += b.mass*move;
-            b.flight.position -= a.mass*move;
+            const double move = 0.5*(sum - distance)*(1 + 1e-9);
+            a.flight.position += std::min(move, 0.5*a.radius)*apart;
+            b.flight.position -= std::min(move, 0.5*b.radius)*apart;
         }
+    for (const Candidate& overlap : overlaps_)
+    {
+        moveOutOfWalls(start_[overlap.first]);
+        if (overlap.second != none) moveOutOfWalls(start_[overlap.second]);
+    }
+}
+
+
+void Hybrid::moveOutOfWalls(Traveller& t) const
+{
+    thread_local std::vector<WallContact> contacts;
+    walls_.contacts(t.flight.position, t.radius, 0, contacts);
+    for (const WallContact& c : contacts)
+        if (c.gap < 0) t.flight.position -= c.gap*(1 + 1e-9)*c.normal;
 }
 
 } // namespace elutria::dem

@@ -10,11 +10,11 @@ namespace elutria::dem
 namespace
 {
 
-constexpr int mostMoves = 20;
+constexpr int mostMoves = 100;
 constexpr double clearance = 1e-9;           // of the overlap
 
-/// One move out of every wall, and of every sphere if asked, that `i` overlaps; false when there
-/// was none.
+/// One move out of every wall, and of every sphere if asked, that `i` overlaps, by half its radius
+/// at most out of spheres: not through a wall; false when there was none.
 bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox& box, bool spheres)
 {
     const Vector3 before = p.position[i];
@@ -23,6 +23,7 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
     walls.contacts(place, p.radius[i], 0, contacts);
     for (const WallContact& c : contacts)
         if (c.gap < 0) place -= c.gap*(1 + clearance)*c.normal;
+    Vector3 push;
     for (std::size_t j = 0; spheres && j < p.size(); ++j)
     {
         if (j == i) continue;
@@ -31,8 +32,9 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
         if (distance2 >= sum*sum) continue;
         const double distance = std::sqrt(distance2);
         const Vector3 direction = distance > 0 ? (1/distance)*apart : Vector3{0, 0, 1};
-        place += (sum - distance)*(1 + clearance)*direction;
+        push += (sum - distance)*(1 + clearance)*direction;
     }
+    place += std::min(1.0, 0.5*p.radius[i]/std::max(norm(push), 1e-300))*push;
     p.position.set(i, box.wrapped(place));
     return squaredNorm(place - before) > 0;
 }

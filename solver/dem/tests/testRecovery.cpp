@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -128,6 +129,37 @@ TEST_CASE("a sphere that enters with a side in a wall is put beside it, and noth
         CHECK(report.warnings.empty());
         CHECK(p.position[1].z == near(1e-3, 1e-6));
         CHECK(norm(p.velocity[1]) < 1e-9);
+    }
+}
+
+TEST_CASE("spheres that enter between a wall and others stay on its side")
+{
+    for (const ContactTreatment treatment : {ContactTreatment::automatic, ContactTreatment::soft})
+    {
+        const int kind = int(treatment);
+        CAPTURE(kind);
+        Settings settings;
+        settings.treatment = treatment;
+        CheckedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
+                                                      Walls(floorAt(0, 1))));
+        Particles p;
+        addSphere(p, {0, 0, 1e-3}, 1e-3, 2500);
+        engine.advance(p, 1e-5, 0);
+        for (int k = 0; k < 6; ++k)     // on the floor, each with a side in the large one's
+        {
+            const double turn = elutria::dem::laws::pi/3*k, radius = 0.1e-3*(1 + k);
+            addSphere(p, {0.3e-3*std::cos(turn), 0.3e-3*std::sin(turn), radius}, radius, 2500);
+        }
+        for (int step = 0; step < 20; ++step)
+        {
+            engine.advance(p, 1e-4, 5);
+            for (std::size_t i = 0; i < p.size(); ++i)
+            {
+                CAPTURE(i);
+                CHECK(p.position[i].z > 0.9*p.radius[i]);
+                CHECK(norm(p.velocity[i]) < 0.1);
+            }
+        }
     }
 }
 
