@@ -153,6 +153,15 @@ def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int)
     assert np.mean(held) > 0.88
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_the_band_of_a_bent_curve_is_narrow_in_its_tails(seed: int) -> None:
+    diameter, coarse = draw_bent(5_000, seed)
+    at = CUT * np.exp(np.array([-0.5, -0.3, -0.15, 0.1, 0.2, 0.3, 0.5]))
+    share, low, high = fit_partition(diameter, coarse, intervals=False).band(at)
+    assert share == pytest.approx([0, 0, 0, 1, 1, 1, 1], abs=1e-2)
+    assert (high - low).max() < 0.05
+
+
 def _at(level: float) -> Callable[[PartitionFit], tuple[float, float, float]]:
     return lambda fit: fit.sizes[level]
 

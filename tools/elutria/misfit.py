@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 KNOTS = (0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98)
 """Shares at which the formula has the line's knots; beyond the outer ones it is constant."""
+LIMIT = 1.96
+"""Standard deviations of a 95 % interval's end."""
 PRIOR = 0.25
 """Standard deviation of the line at its knots: columns' curves are off a formula by so much."""
 
@@ -48,14 +50,18 @@ class Misfit:
         return np.asarray(expit(self._logit(np.log(diameter))))
 
     def band(self, diameter: Array, low: Array, high: Array) -> tuple[Array, Array]:
-        """The formula's limits of T, moved with the curve and widened."""
+        """The formula's 95 % limits of T, moved with the curve and widened, in the tails by as much
+        as at the outer knots."""
         at = np.log(diameter)
         formula, basis = self._formula(at)
-        change, wider = basis @ self.moved, np.array([self._wider(row) for row in basis])
+        change = basis @ self.moved
+        inside = np.clip(at, self.knots[0], self.knots[-1])
+        own, every = self._deviations(self._formula(inside)[1])
+        more = LIMIT * np.maximum(every - own, 0)
         with np.errstate(divide="ignore"):
-            ends = [formula + change + wider * (logit(end) - formula) for end in (low, high)]
+            lower, upper = (logit(end) + change for end in (low, high))
         share = expit(formula + change)
-        return np.minimum(expit(ends[0]), share), np.maximum(expit(ends[1]), share)
+        return np.minimum(expit(lower - more), share), np.maximum(expit(upper + more), share)
 
     def size(self, formula: float, low: float, high: float) -> tuple[float, float, float]:
         """The formula's size (m) at a level and its interval, moved and widened."""
@@ -63,7 +69,7 @@ class Misfit:
         log_d = self._log_diameter(level, log(formula))
         if not low > 0:
             return exp(log_d), low, high
-        wider = self._wider(self._formula(np.array([log_d]))[1][0])
+        wider = self._wider(log_d)
         return (
             exp(log_d),
             exp(log_d + wider * (log(low) - log(formula))),
@@ -89,11 +95,20 @@ class Misfit:
         formula, basis = self._formula(log_diameter)
         return np.asarray(formula + basis @ self.moved)
 
-    def _wider(self, row: Array) -> float:
-        """The deviation of a logit over that which the formula alone would have."""
+    def _deviations(self, basis: Array) -> tuple[Array, Array]:
+        """Standard deviations of logits (n): as the formula alone has them, and with the line."""
         own = len(self.free)
-        alone = row[:own] @ np.linalg.solve(self.information[:own, :own], row[:own])
-        return max(sqrt(row @ np.linalg.solve(self.information, row) / alone), 1.0)
+        alone, whole = self.information[:own, :own], self.information
+
+        def deviation(rows: Array, matrix: Array) -> Array:
+            return np.asarray(np.sqrt(np.einsum("ij,ji->i", rows, np.linalg.solve(matrix, rows.T))))
+
+        return deviation(basis[:, :own], alone), deviation(basis, whole)
+
+    def _wider(self, log_diameter: float) -> float:
+        """The deviation of a size over that which the formula alone would have."""
+        own, every = self._deviations(self._formula(np.array([log_diameter]))[1])
+        return max(float(every[0] / own[0]), 1.0)
 
     def _log_diameter(self, share: float, start: float) -> float:
         """ln d where T is `share`, near that of the formula."""
