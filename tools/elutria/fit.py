@@ -3,10 +3,9 @@
 Each parcel that left is one Bernoulli trial: coarse with probability T(d). Nothing is binned. Every
 model is fitted with and without bypass, ranked by Akaike's criterion; d25, d50, d75 of the best one
 get 95 % intervals from the profile likelihood: all values that a likelihood-ratio test would not
-reject at 5 %. What the best model leaves of the
-events moves the sizes and widens their intervals (misfit.py). Statistical weights enter relative to
-parcels of like size, since a choice by size alone tells nothing about T(d), and their spread lowers
-the effective number of events (Kish).
+reject at 5 %. What the best model leaves of the events moves the sizes and widens their intervals
+(misfit.py). Statistical weights enter relative to parcels of like size, since a choice by size
+alone tells nothing about T(d), and their spread lowers the effective number of events (Kish).
 
 When every coarse parcel is larger than every fine one, the likeliest curve is a step in the gap,
 but no certain one: the intervals hold what the models' likelihood does not reject beside it.

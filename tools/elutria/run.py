@@ -27,6 +27,7 @@ from elutria.scene import block_mesh_box, expect
 from elutria.started import started_in
 
 if TYPE_CHECKING:
+    from elutria.feed import Feed
     from elutria.solver import Step
 
 SOLVER = "elutriaFoam"
@@ -51,9 +52,8 @@ class Goal:
         return min(max(by_number, by_time), 1.0)
 
 
-def _goal(case: Case, velocity: float) -> Goal:
+def _goal(case: Case, velocity: float, feed: Feed) -> Goal:
     """Of a meshed case at a gas velocity (m/s)."""
-    feed = case.feed()
     parcels = feed.particles
     if feed.particles_per_parcel < inf:
         parcels = expect(case, velocity, case.gas(), feed, block_mesh_box(case)).parcels
@@ -100,11 +100,11 @@ def run_case(
         start = time.monotonic()
         copy = case.copy_to(folder, settings)
         write_json(folder / MARKER, {"case": case.name, "inputs": fingerprint})
-        velocity = copy.velocity()
+        velocity, feed = copy.velocity(), copy.feed()
         make_mesh(copy)
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
             shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
-        solve(folder, np, _goal(copy, velocity), on_step)
+        solve(folder, np, _goal(copy, velocity, feed), on_step)
         read_run(folder)  # whole, or not finished
         seconds = time.monotonic() - start
         write_json(
