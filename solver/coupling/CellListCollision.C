@@ -36,6 +36,7 @@ elutria::dem::Particles CellListCollision<CloudType>::particles() const
     }
     const size_t n = all.size();
     all.number.assign(n, 1);
+    all.solidFraction.assign(n, 0);
     all.dragRate.assign(n, 0);
     all.gasVelocity.assign(n, {});
     all.acceleration.assign(n, {});

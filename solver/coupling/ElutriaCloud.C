@@ -91,6 +91,7 @@ void ElutriaCloud::sampleGas(trackingData& td, const scalar dt)
     elutria::dem::Particles& all = particles_;
     const size_t n = this->size();
 
+    all.moment = time().timeIndex();
     all.id.resize(n);
     all.material.resize(n);
     all.radius.resize(n);
@@ -214,6 +215,38 @@ void ElutriaCloud::seedRandom(const parcelType& p)
             )
         )
     );
+}
+
+
+void ElutriaCloud::findSolidFractions()
+{
+    std::vector<double>& fractions = particles_.solidFraction;
+    fractions.assign(this->size(), 0);
+
+    bool weighted = false;
+    for (const double number : particles_.number)
+    {
+        weighted = weighted || number != 1;
+    }
+    if (!contacts_ || !returnReduce(weighted, orOp<bool>()))
+    {
+        return;
+    }
+
+    const scalarField solids(solidVolume());
+    labelList parcels(mesh().nCells(), Zero);
+    for (const parcelType& p : *this)
+    {
+        ++parcels[p.cell()];
+    }
+    size_t i = 0;
+    for (const parcelType& p : *this)
+    {
+        const label celli = p.cell(), others = parcels[celli] - 1;
+        const scalar volume = solids[celli] - p.nParticle()*p.volume();
+        fractions[i++] =
+            volume*(others - 1)/max(others, label(1))/mesh().V()[celli];
+    }
 }
 
 
@@ -369,6 +402,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, trackingData& td)
     {
         wakeAge_ += dt;
     }
+    findSolidFractions();
     advanceParticles(dt);
     track(td, dt);
 }

@@ -43,7 +43,14 @@ std::vector<std::vector<double>*> columns(Particles& p, const bool back)
     }
     else
     {
-        list.insert(list.end(), {&p.radius, &p.mass, &p.number, &p.dragRate});
+        for
+        (
+            auto* column :
+            {&p.radius, &p.mass, &p.number, &p.solidFraction, &p.dragRate}
+        )
+        {
+            list.push_back(column);
+        }
         vectors({&p.gasVelocity, &p.acceleration});
     }
     return list;
@@ -121,6 +128,7 @@ void ParticleExchange::onMaster
     if (Pstream::master())
     {
         Particles all;
+        all.moment = local.moment;
         for (label proci = 0; proci < Pstream::nProcs(); ++proci)
         {
             const size_t first = all.size();

@@ -42,6 +42,13 @@ struct Particles
     // Particles that each sphere stands for (see weights.hpp); empty: one
     std::vector<double> number;
 
+    // Another one in every step: what those meet by chance depends on it
+    std::uint64_t moment = 0;
+
+    // Volume fraction of the solids around each sphere, for spheres of several particles, which take
+    // no room from each other; empty: none
+    std::vector<double> solidFraction;
+
     // Forcing by the gas, constant during one advance():
     //   dv/dt = acceleration + dragRate*(gasVelocity - v) + contacts/mass
     // Each may stay empty: no such forcing.

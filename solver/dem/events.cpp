@@ -1,6 +1,5 @@
 #include "events.hpp"
 
-#include "meeting.hpp"
 #include "search.hpp"
 #include "weights.hpp"
 
@@ -16,25 +15,24 @@ namespace
 constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
 constexpr std::uint32_t mostForcedImpacts = 1000;    // also meetings of weighted spheres
 constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
-constexpr double leastPassing = 1e-3;            // of the first speed: no further impact below
 
 } // namespace
 
 
 double EventDriven::run(std::vector<Traveller>& members, double begin, double end,
-                        double crossSection, std::vector<std::vector<Leg>>& legs)
+                        std::uint64_t draw, std::vector<std::vector<Leg>>& legs)
 {
-    members_ = &members, legs_ = &legs, end_ = end, crossSection_ = crossSection;
+    members_ = &members, legs_ = &legs, end_ = end, draw_ = draw;
     impacts_ = 0;
     largestOverlap_ = 0;
     busyUntil_ = begin;
     queue_.clear();
     states_.assign(members.size(), {});
-    widening_ = widening(members, crossSection);
     for (std::size_t i = 0; i < members.size(); ++i)
     {
         states_[i].since = begin;
-        states_[i].bound = boundOf(members[i].flight, widening_*members[i].radius, end - begin);
+        states_[i].bound = boundOf(members[i].flight, members[i].reach, end - begin);
+        states_[i].end = members[i].flight.at(end - begin).position;
         legs[i].push_back({begin, members[i].flight, 0});
     }
     predictAll();
@@ -101,18 +99,29 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
     const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
-    const double sum = meetingDistance(ta, tb, crossSection_);
-    const bool passable = isWeighted(ta, tb);
-    if (passable && norm(shortest) < sum*(1 + 1e-9)) return;      // have met already
+    if (isWeighted(ta, tb))
+    {
+        const Vector3 way = sa.end - sb.end - d;
+        const double time = meetingByChance(ta, tb, {from, end_, shortest, way}, chances(a, b));
+        if (time < never) push({time, a, b, sa.version, sb.version, false});
+        return;
+    }
+    const double sum = ta.radius + tb.radius;
     Event event{from, a, b, sa.version, sb.version, true};
     if (norm(shortest) >= (1 - shallow)*sum)
     {
         const Meeting m = meeting(fa, fb, d - shortest, sum, 0, end_ - from);
         if (m.time >= never) return;
         event.time = from + m.time;
-        event.handOver = !passable && (m.lasting || !laws_(ta.material, tb.material).applies());
+        event.handOver = m.lasting || !laws_(ta.material, tb.material).applies();
     }
     push(event);
+}
+
+
+MeetingChances EventDriven::chances(std::uint32_t a, std::uint32_t b) const
+{
+    return {draw_, (*members_)[a], (*legs_)[a].size() - 1, (*members_)[b], (*legs_)[b].size() - 1};
 }
 
 
@@ -224,7 +233,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     const bool busy = time < sa.busyUntil || (!onWall && time < states_[b].busyUntil);
     if (!onWall && isWeighted(ta, (*members_)[b]))
     {
-        meetWeighted(event, bodyA, bodyB, normal, law);
+        meetWeighted(event, bodyA, bodyB, law);
         return Verdict::done;
     }
     if (busy && !forced_) return Verdict::crowded;
@@ -248,64 +257,49 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
         changed(b, bodyB);
         ++states_[b].impacts;
     }
-    predictAfter(event);
+    predictAfter(event, true, !onWall);
     return Verdict::done;
 }
 
 
-/// A number of impacts for each party, that of the other's particles it would have met; the chance
-/// of a further one falls with the speed at which they still pass each other.
+/// An impact somewhere in the spheres' cross-section, which each feels as often as the other has
+/// particles.
 void EventDriven::meetWeighted(const Event& event, ImpactBody bodyA, ImpactBody bodyB,
-                               Vector3 normal, const ImpactLaw& law)
+                               const ImpactLaw& law)
 {
     const Traveller &ta = (*members_)[event.a], &tb = (*members_)[event.b];
-    MeetingChances chances(ta, tb, event.time);
-    const double factor = crossSectionFactor(ta, tb, crossSection_);
-    const std::uint64_t hitsA = wholeNumber(tb.number/factor, chances);
-    const std::uint64_t hitsB = wholeNumber(ta.number/factor, chances);
-    const double speed = norm(bodyA.velocity - bodyB.velocity);
-    bool hit = false;
-    for (std::uint64_t k = 0; k < std::max(hitsA, hitsB); ++k)
-    {
-        if (k > 0)
-        {
-            const Vector3 passing = bodyA.velocity - bodyB.velocity;
-            if (!(norm(passing) > leastPassing*speed)) break;
-            if (chances.next()*speed > norm(passing)) continue;
-            normal = randomNormal(passing, chances);
-        }
-        ImpactBody a = bodyA, b = bodyB;
-        if (!collide(a, b, normal, law)) continue;
-        if (k < hitsA) bodyA = a;
-        if (k < hitsB) bodyB = b;
-        hit = true;
-    }
-    if (!hit) return;
-    ++impacts_;
+    MeetingChances chances = this->chances(event.a, event.b);
+    chances.next();                    // has said when
+    const double factor = crossSectionFactor(ta, tb), chance = chances.next();
+    const Vector3 passing = bodyA.velocity - bodyB.velocity;
+    const bool hit = norm(passing) > 0
+        && collide(bodyA, bodyB, randomNormal(passing, chances), law);
+    const bool hitsA = hit && chance*factor < tb.number, hitsB = hit && chance*factor < ta.number;
     const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {
         changed(member, after);
         ++states_[member].meetings;
     };
-    if (hitsA > 0) met(event.a, bodyA);
-    if (hitsB > 0) met(event.b, bodyB);
-    predictAfter(event);
+    if (hitsA) met(event.a, bodyA);
+    if (hitsB) met(event.b, bodyB);
+    impacts_ += hitsA || hitsB;
+    predictAfter(event, hitsA, hitsB);
 }
 
 
-void EventDriven::predictAfter(const Event& event)
+/// The parties' further meetings, and those of the changed ones with all others.
+void EventDriven::predictAfter(const Event& event, bool changedA, bool changedB)
 {
     const auto [time, a, b, versionA, versionB, handOver] = event;
-    const bool onWall = b == wall;
-    for (std::uint32_t i = 0; i < states_.size(); ++i)
+    for (std::uint32_t i = 0; i < states_.size() && (changedA || changedB); ++i)
     {
         if (i == a || i == b) continue;
-        predictPair(std::min(a, i), std::max(a, i), time);
-        if (!onWall) predictPair(std::min(b, i), std::max(b, i), time);
+        if (changedA) predictPair(std::min(a, i), std::max(a, i), time);
+        if (changedB) predictPair(std::min(b, i), std::max(b, i), time);
     }
-    if (!onWall) predictPair(std::min(a, b), std::max(a, b), time);
-    predictWall(a, time);
-    if (!onWall) predictWall(b, time);
+    if (b != wall) predictPair(std::min(a, b), std::max(a, b), time);
+    if (changedA) predictWall(a, time);
+    if (changedB) predictWall(b, time);
 }
 
 
@@ -316,7 +310,8 @@ void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
     t.flight.acceleration -= t.flight.rate*(after.velocity - t.flight.velocity);
     t.flight.velocity = after.velocity;
     t.spin = after.spin;
-    state.bound = boundOf(t.flight, widening_*t.radius, end_ - state.since);
+    state.bound = boundOf(t.flight, t.reach, end_ - state.since);
+    state.end = t.flight.at(end_ - state.since).position;
     ++state.version;
     std::vector<Leg>& legs = (*legs_)[a];
     if (legs.back().begin == state.since) legs.pop_back();

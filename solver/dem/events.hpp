@@ -10,6 +10,8 @@
 namespace elutria::dem
 {
 
+class MeetingChances;
+
 /// A sphere on its way through one gas step; `flight` is given at the moment reached so far.
 struct Traveller
 {
@@ -17,6 +19,8 @@ struct Traveller
     std::uint32_t material = 0;
     double radius = 0, mass = 0;
     double number = 1;             // of particles that it stands for
+    double reach = 0;              // m: radius, or more where spheres meet by chance (weights.hpp)
+    double crowding = 1;           // by how much they meet oftener than in a dilute cloud
     Flight flight;
     Vector3 spin;
     Vector3 force;                 // m/s^2: constant acceleration, without drag
@@ -67,8 +71,8 @@ public:
     {}
 
     /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
-    /// hand-over. `legs[i]` gets each new leg of member i's path. `crossSection`: see weights.hpp.
-    double run(std::vector<Traveller>& members, double begin, double end, double crossSection,
+    /// hand-over. `legs[i]` gets each new leg of member i's path. `draw`: see weights.hpp.
+    double run(std::vector<Traveller>& members, double begin, double end, std::uint64_t draw,
                std::vector<std::vector<Leg>>& legs);
 
     std::size_t impacts() const { return impacts_; }
@@ -95,6 +99,7 @@ private:
     {
         double since;                    // time at which the traveller's flight is given
         Bound bound;                     // of the path from there to the end
+        Vector3 end;                     // of the path
         std::uint32_t version = 0, impacts = 0, meetings = 0;   // meetings: of weighted spheres
         double busyUntil = -1;           // end of the last impact, had it a duration
         Walls::Image nextWall{};
@@ -102,13 +107,13 @@ private:
 
     void predictAll();
     void predictPair(std::uint32_t a, std::uint32_t b, double from);
+    MeetingChances chances(std::uint32_t a, std::uint32_t b) const;
     void predictWall(std::uint32_t a, double from);
     enum class Verdict { done, handOver, crowded };
     bool tooMany(const Event&) const;
     Verdict carryOut(const Event&);
-    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, Vector3 normal,
-                      const ImpactLaw&);
-    void predictAfter(const Event&);
+    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, const ImpactLaw&);
+    void predictAfter(const Event&, bool changedA, bool changedB);
     void fly(std::uint32_t a, double to);
     void changed(std::uint32_t a, const ImpactBody& after);
     void push(const Event& event);
@@ -135,7 +140,7 @@ private:
     std::vector<Traveller>* members_ = nullptr;
     std::vector<std::vector<Leg>>* legs_ = nullptr;
     double end_ = 0;
-    double crossSection_ = 1, widening_ = 1;     // for spheres of many particles
+    std::uint64_t draw_ = 0;
     std::vector<State> states_;
     std::vector<Event> queue_;
     std::vector<Walls::Image> images_;

@@ -80,18 +80,16 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
     if (plainRules_) importContacts(plain_.exportContacts());
 
     load(particles);
+    widen(particles);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
     double done = 0, length = whole;
-    crossSection_ = largestCrossSection;
     while (done < whole)
     {
         length = std::min(length, whole - done);
+        draw_ = scrambled(scrambled(particles.moment) + std::uint64_t(done));
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
         switch (piece(duration*length/whole, mayCut, report))
         {
-            case Outcome::tooWide:
-                crossSection_ = std::max(1.0, crossSection_/4);
-                break;
             case Outcome::tooLong:
                 length /= 2;
                 break;
@@ -121,7 +119,8 @@ void Hybrid::load(const Particles& p)
     {
         const std::uint32_t k = order_[i];
         Traveller& t = start_[i];
-        t.id = p.id[k], t.material = p.material[k], t.radius = p.radius[k], t.mass = p.mass[k];
+        t.id = p.id[k], t.material = p.material[k], t.mass = p.mass[k];
+        t.radius = t.reach = p.radius[k];
         t.number = p.number.empty() ? 1 : p.number[k];
         t.spin = p.spin[k];
         t.force = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
@@ -134,6 +133,25 @@ void Hybrid::load(const Particles& p)
         if (start_[i - 1].id == start_[i].id)
             throw std::invalid_argument("particle id " + std::to_string(start_[i].id)
                                         + " is given twice; allowed: once");
+}
+
+
+/// Where some stand for several particles, or for a share: how far and how often all meet.
+void Hybrid::widen(const Particles& p)
+{
+    weighted_ = std::any_of(start_.begin(), start_.end(),
+                            [](const Traveller& t) { return t.number != 1; });
+    if (!weighted_) return;
+    double room = never;                  // in the periodic box, so that images stay apart
+    for (int axis = 0; axis < 3; ++axis)
+        if (settings_.box.periodic[axis])
+            room = std::min(room, (settings_.box.high[axis] - settings_.box.low[axis])/16);
+    for (std::size_t i = 0; i < start_.size(); ++i)
+    {
+        Traveller& t = start_[i];
+        t.reach = std::max(t.radius, std::min(meetingReach(t.radius, t.number), room));
+        if (!p.solidFraction.empty()) t.crowding = contactCorrelation(p.solidFraction[order_[i]]);
+    }
 }
 
 
@@ -179,8 +197,7 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         for (int round = 0;; ++round)
         {
             if (!bounds(duration))
-                return widening_ > 1 ? Outcome::tooWide
-                     : mayCut ? Outcome::tooLong : Outcome::contactsRule;
+                return mayCut ? Outcome::tooLong : Outcome::contactsRule;
             findCandidates(duration, report);
             if (overlaps_.empty() || round == separationRounds) break;
             separateOverlaps(report);
@@ -193,7 +210,6 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
         std::sort(touching_.begin(), touching_.end());
         touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
         makeIslands();
-        if (weightsCrowd()) return Outcome::tooWide;
         std::size_t largest = 0;
         for (const Island& island : islands_)
             if (!island.touching) largest = std::max(largest, island.particles.size());
@@ -203,7 +219,7 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
     do
     {
         runIslands(duration);
-        if (weightsCrowd()) return Outcome::tooWide;
+        if (mayCut && crowds()) return Outcome::tooLong;
     }
     while (mergeIslands(duration, report));
     finishPiece(duration, report);
@@ -211,12 +227,12 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
 }
 
 
-/// Whether spheres of many particles, which meet from afar, make islands that need not be.
-bool Hybrid::weightsCrowd() const
+/// Whether meetings of spheres of many particles make islands that shorter pieces would not.
+bool Hybrid::crowds() const
 {
-    return widening_ > 1 && std::any_of(islands_.begin(), islands_.end(), [](const Island& island)
+    return weighted_ && std::any_of(islands_.begin(), islands_.end(), [](const Island& island)
     {
-        return island.particles.size() > (island.touching || island.soft() ? softCrowd : crowd);
+        return island.particles.size() > (island.soft() ? softCrowd : crowd);
     });
 }
 

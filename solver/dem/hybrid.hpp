@@ -4,6 +4,7 @@
 #include "Engine.hpp"
 #include "island.hpp"
 #include "threads.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -26,9 +27,8 @@ namespace elutria::dem
 ///  5. An overlap without a contact history is nobody's contact (a feed that put spheres into each
 ///     other): the two are moved apart before the step, their centre of mass kept, without
 ///     touching velocities, so that no energy comes out of it.
-///  6. Where spheres of many particles crowd, they meet at a shorter distance (weights.hpp); a step
-///     too long for its density, where candidates crowd all the same, is cut into halves. Where most
-///     particles touch, halving no longer helps, or the step is but a few sub-steps long, all take
+///  6. Spheres of many particles meet by chance instead (weights.hpp). A step too long for its
+///     density, where candidates crowd, is cut into halves. Where most particles touch, halving no longer helps, or the step is but a few sub-steps long, all take
 ///     the soft law (the plain engine), until few touch.
 ///
 /// Particles are handled in the order of their ids: neither the caller's order nor the number of
@@ -50,7 +50,7 @@ public:
     void usePlain();
 
 private:
-    enum class Outcome { done, tooWide, tooLong, contactsRule };
+    enum class Outcome { done, tooLong, contactsRule };
     enum class WallLook : std::uint8_t { away, meets, touches, overlaps };   // touches: known
     struct Candidate { std::uint32_t first, second; };
     static constexpr std::uint32_t none = 0xffffffffu;
@@ -90,15 +90,16 @@ private:
 
 
     void load(const Particles& particles);
+    void widen(const Particles& particles);
     void store(Particles& particles) const;
     void runPlain(Particles& particles, double duration, StepReport& report);
 
     Outcome piece(double duration, bool mayCut, StepReport& report);
     bool bounds(double duration);
-    bool weightsCrowd() const;
+    bool crowds() const;
     void findCandidates(double duration, StepReport& report);
     void findBoundPairs();
-    void checkPair(std::uint32_t i, std::uint32_t j);
+    void checkPair(std::uint32_t i, std::uint32_t j, double duration);
     WallLook lookForWalls(std::size_t i, double duration) const;
     void separateOverlaps(StepReport& report);
     void moveOutOfWalls(Traveller& t) const;
@@ -126,7 +127,8 @@ private:
     std::vector<Traveller> start_;             // state at the start of the piece
     std::vector<Flight> ends_;                 // of the free flights
     std::vector<double> slack_;                // m, deviation from the chord
-    double crossSection_ = 1, widening_ = 1;   // for spheres of many particles
+    bool weighted_ = false;                    // any of many particles, or of a share
+    std::uint64_t draw_ = 0;                   // for the piece's meetings by chance
     std::vector<Bound> bounds_;                // in the frame moving with frame_
     Vector3 frame_;                            // m/s
     VectorArray centres_;

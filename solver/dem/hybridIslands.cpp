@@ -1,7 +1,6 @@
 #include "hybrid.hpp"
 
 #include "Stopwatch.hpp"
-#include "meeting.hpp"
 #include "weights.hpp"
 
 #include <algorithm>
@@ -85,7 +84,7 @@ void Hybrid::runIsland(Island& island, IslandStepper& stepper, double duration) 
                                        ContactRecord{id, 0, false, {}}, recordBefore);
             for (; at != records_.end() && at->first == id; ++at) history.push_back(*at);
         }
-    stepper.run(island, start_, duration, crossSection_, history);
+    stepper.run(island, start_, duration, draw_, history);
 }
 
 
@@ -109,7 +108,7 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
         {
             const std::uint32_t i = island.particles[p];
             const std::vector<Leg>& legs = island.legs[p];
-            bounds_[i] = boundOf(legs, widening_*start_[i].radius, duration, frame_);
+            bounds_[i] = boundOf(legs, start_[i].reach, duration, frame_);
             if (legs.size() > 1 || legs[0].slack > 0) changed.push_back(i);
         }
     }
@@ -124,10 +123,8 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (islandOf_[i] == islandOf_[j] && islandOf_[i] != none) return;
-        const double distance = meetingDistance(start_[i], start_[j], crossSection_);
-        const bool passable = isWeighted(start_[i], start_[j]);
-        if (pathsMeet(path(i, freeA), path(j, freeB), distance, passable, settings_.box, duration)
-            < never)
+        if (pathsMeet(start_[i], path(i, freeA), start_[j], path(j, freeB), draw_, settings_.box,
+                      duration))
             hits.push_back({i, j});
     };
     if (changed.size() < fewChanged)

@@ -37,14 +37,13 @@ bool Hybrid::bounds(double duration)
     frame_ = {};
     for (std::size_t i = 0; i < n; ++i) frame_ += ends_[i].position - start_[i].flight.position;
     frame_ *= 1/(duration*double(n));
-    widening_ = widening(start_, crossSection_);
     forParticles([&](std::size_t i)
     {
         const Flight& flight = start_[i].flight;
         const Vector3 moved = ends_[i].position - flight.position - duration*frame_;
         slack_[i] = flight.chordDeviation(duration);
         bounds_[i] = {flight.position + 0.5*moved,
-                      widening_*start_[i].radius + 0.5*norm(moved) + slack_[i]};
+                      start_[i].reach + 0.5*norm(moved) + slack_[i]};
     });
     double largest = 0;
     for (const Bound& bound : bounds_) largest = std::max(largest, bound.reach);
@@ -60,7 +59,7 @@ void Hybrid::findCandidates(double duration, StepReport& report)
     candidates_.clear(), atWall_.clear(), touching_.clear(), overlaps_.clear();
     findBoundPairs();
     report.candidates += pairs_.size();
-    forBoundPairs([&](std::uint32_t i, std::uint32_t j) { checkPair(i, j); });
+    forBoundPairs([&](std::uint32_t i, std::uint32_t j) { checkPair(i, j, duration); });
     if (walls_.empty()) return;
     wallLooks_.resize(start_.size());
     forParticles([&](std::size_t i) { wallLooks_[i] = lookForWalls(i, duration); });
@@ -88,18 +87,27 @@ void Hybrid::findBoundPairs()
 }
 
 
-void Hybrid::checkPair(std::uint32_t i, std::uint32_t j)
+void Hybrid::checkPair(std::uint32_t i, std::uint32_t j, double duration)
 {
     const Flight &a = start_[i].flight, &b = start_[j].flight;
+    if (isWeighted(start_[i], start_[j]))
+    {
+        const Vector3 d = a.position - b.position;
+        const Vector3 way = ends_[i].position - ends_[j].position - d;
+        const Passage passage{0, duration, settings_.box.shortest(d), way};
+        const MeetingChances chances(draw_, start_[i], 0, start_[j], 0);
+        if (meetingByChance(start_[i], start_[j], passage, chances) < never)
+            candidates_.push_back({i, j});
+        return;
+    }
     const Vector3 centres = bounds_[i].centre - bounds_[j].centre;
     const Vector3 offset = centres - settings_.box.shortest(centres);
     const Vector3 apart = a.position - b.position - offset;
     const Vector3 moved = (ends_[i].position - a.position) - (ends_[j].position - b.position);
-    const double sum = meetingDistance(start_[i], start_[j], crossSection_);
+    const double sum = start_[i].radius + start_[j].radius;
     const double close = sum + slack_[i] + slack_[j];
     if (squaredDistanceOfSegment(apart, moved) >= close*close) return;
     const double distance2 = squaredNorm(apart);
-    if (isWeighted(start_[i], start_[j]) && distance2 < sum*sum) return;    // on its way through
     candidates_.push_back({i, j});
     if (distance2 >= sum*sum) return;
     const std::uint64_t a0 = start_[i].id, b0 = start_[j].id;
@@ -171,10 +179,7 @@ void Hybrid::separateOverlaps(StepReport& report)
 
 void Hybrid::moveOutOfWalls(Traveller& t) const
 {
-    thread_local std::vector<WallContact> contacts;
-    walls_.contacts(t.flight.position, t.radius, 0, contacts);
-    for (const WallContact& c : contacts)
-        if (c.gap < 0) t.flight.position -= c.gap*(1 + 1e-9)*c.normal;
+    t.flight.position = walls_.movedOut(t.flight.position, t.radius);
 }
 
 } // namespace elutria::dem

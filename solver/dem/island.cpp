@@ -2,6 +2,7 @@
 
 #include "Stopwatch.hpp"
 #include "meeting.hpp"
+#include "weights.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,26 @@ double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
     return k + 1 < legs.size() ? legs[k + 1].begin : duration;
 }
 
+Passage passage(const Flight& a, const Flight& b, const PeriodicBox& box, double from, double end)
+{
+    const Vector3 d = a.position - b.position;
+    return {from, end, box.shortest(d), a.at(end - from).position - b.at(end - from).position - d};
+}
+
+bool onFreeFlight(const Traveller& start, const Leg& leg)
+{
+    const Vector3 &v = leg.flight.velocity, &free = start.flight.velocity;
+    return leg.begin == 0 && leg.slack == 0 && v.x == free.x && v.y == free.y && v.z == free.z;
+}
+
+bool flightsMeet(const Flight& a, const Flight& b, double distance, const PeriodicBox& box,
+                 double duration)
+{
+    const Vector3 d = a.position - b.position, shortest = box.shortest(d);
+    return norm(shortest) < distance*(1 - EventDriven::shallow)
+        || meeting(a, b, d - shortest, distance, 0, duration).time < never;
+}
+
 } // namespace
 
 
@@ -39,7 +60,7 @@ IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& m
 
 
 void IslandStepper::run(Island& island, const std::vector<Traveller>& start, double duration,
-                        double crossSection, const std::vector<ContactRecord>& history)
+                        std::uint64_t draw, const std::vector<ContactRecord>& history)
 {
     const std::size_t n = island.particles.size();
     island.end.clear();
@@ -58,7 +79,7 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
         if (!touching)
         {
             const Stopwatch watch(island.impactSeconds);
-            time = events_.run(island.end, time, duration, crossSection, island.legs);
+            time = events_.run(island.end, time, duration, draw, island.legs);
             island.impacts += events_.impacts();
             island.largestOverlap = std::max(island.largestOverlap, events_.largestOverlap());
         }
@@ -138,30 +159,33 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
 }
 
 
-double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double distance,
-                 bool passable, const PeriodicBox& box, double duration)
+bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Traveller& b,
+               const std::vector<Leg>& legsB, std::uint64_t draw, const PeriodicBox& box,
+               double duration)
 {
     std::size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size())
+    while (i < legsA.size() && j < legsB.size())
     {
-        const double endA = endOf(a, i, duration), endB = endOf(b, j, duration);
-        const double begin = std::max(a[i].begin, b[j].begin), end = std::min(endA, endB);
-        if (end > begin)
+        const Leg &legA = legsA[i], &legB = legsB[j];
+        const double endA = endOf(legsA, i, duration), endB = endOf(legsB, j, duration);
+        const double begin = std::max(legA.begin, legB.begin), end = std::min(endA, endB);
+        const bool stillFree = onFreeFlight(a, legA) && onFreeFlight(b, legB);   // looked at before
+        if (end > begin && !stillFree)
         {
-            const Flight fa = a[i].flight.at(begin - a[i].begin);
-            const Flight fb = b[j].flight.at(begin - b[j].begin);
-            const Vector3 d = fa.position - fb.position, shortest = box.shortest(d);
-            const double close = distance + a[i].slack + b[j].slack;
-            const bool within = norm(shortest) < close*(1 - EventDriven::shallow);
-            if (within && !passable) return begin;
-            const Meeting m = within ? Meeting{}
-                                     : meeting(fa, fb, d - shortest, close, 0, end - begin);
-            if (m.time < never) return begin + m.time;
+            const Flight fa = legA.flight.at(begin - legA.begin);
+            const Flight fb = legB.flight.at(begin - legB.begin);
+            const double slack = legA.slack + legB.slack;
+            if (isWeighted(a, b)
+                    ? slack == 0           // in contact steps they pass each other
+                      && meetingByChance(a, b, passage(fa, fb, box, begin, duration), {draw, a, i, b, j})
+                             < end
+                    : flightsMeet(fa, fb, a.radius + b.radius + slack, box, end - begin))
+                return true;
         }
         if (endA <= endB) ++i;
         else ++j;
     }
-    return never;
+    return false;
 }
 
 

@@ -40,9 +40,9 @@ public:
     IslandStepper(const IslandStepper&) = delete;
 
     /// From the `start` of each of the island's particles (indexed by particle) on; `history` holds
-    /// the island's contacts; `crossSection`: see weights.hpp.
+    /// the island's contacts; `draw`: see weights.hpp.
     void run(Island& island, const std::vector<Traveller>& start, double duration,
-             double crossSection, const std::vector<ContactRecord>& history);
+             std::uint64_t draw, const std::vector<ContactRecord>& history);
 
 private:
     double softChunk(Island& island, double begin, double end, bool& touching);
@@ -58,10 +58,10 @@ private:
     Particles gathered_;
 };
 
-/// First time before `duration` at which two paths come closer than `distance`; never if none.
-/// Where they are `passable`, two that start closer do not count.
-double pathsMeet(const std::vector<Leg>& a, const std::vector<Leg>& b, double distance,
-                 bool passable, const PeriodicBox& box, double duration);
+/// Whether two spheres meet before `duration` on their paths.
+bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Traveller& b,
+               const std::vector<Leg>& legsB, std::uint64_t draw, const PeriodicBox& box,
+               double duration);
 
 /// Bound of a whole path, in a frame that moves with `frame`.
 Bound boundOf(const std::vector<Leg>& legs, double radius, double duration, const Vector3& frame);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace elutria::dem
 {
@@ -18,11 +17,7 @@ constexpr double clearance = 1e-9;           // of the overlap
 bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox& box, bool spheres)
 {
     const Vector3 before = p.position[i];
-    Vector3 place = before;
-    std::vector<WallContact> contacts;
-    walls.contacts(place, p.radius[i], 0, contacts);
-    for (const WallContact& c : contacts)
-        if (c.gap < 0) place -= c.gap*(1 + clearance)*c.normal;
+    Vector3 place = walls.movedOut(before, p.radius[i]);
     Vector3 push;
     for (std::size_t j = 0; spheres && j < p.size(); ++j)
     {

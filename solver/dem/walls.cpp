@@ -194,6 +194,18 @@ void Walls::contacts(const Vector3& centre, double radius, double reach,
 }
 
 
+Vector3 Walls::movedOut(const Vector3& centre, double radius) const
+{
+    constexpr double clearance = 1e-9;           // of the overlap
+    thread_local std::vector<WallContact> found;
+    contacts(centre, radius, 0, found);
+    Vector3 place = centre;
+    for (const WallContact& c : found)
+        if (c.gap < 0) place -= c.gap*(1 + clearance)*c.normal;
+    return place;
+}
+
+
 bool Walls::isFlat(const Vector3& centre, double margin, const std::vector<Image>& among) const
 {
     if (among.empty()) return false;

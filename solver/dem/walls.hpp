@@ -104,6 +104,9 @@ public:
     void contacts(const Vector3& centre, double radius, double reach,
                   std::vector<WallContact>& found) const;
 
+    /// Where the sphere's centre is, moved out of every wall that the sphere overlaps.
+    Vector3 movedOut(const Vector3& centre, double radius) const;
+
     /// True if these triangles, collected around `centre`, are one plane whose rim is out of the
     /// way of a sphere that stays within `margin` of there: the sphere touches at most the
     /// triangle below its centre.

@@ -1,67 +1,80 @@
 #pragma once
 
+#include "PeriodicBox.hpp"
 #include "events.hpp"
 #include "laws.hpp"
+#include "meeting.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <vector>
 
 // Impacts of spheres that stand for several particles each, or for a share of one.
 //
-// In a dilute cloud sphere i must meet the n_j particles of sphere j as often as those would meet
-// it. So the cross-section of a pair is f = max(n_i, n_j, 1) times the spheres' own, and a meeting
-// is n_j/f impacts for i, n_i/f for j: chances below one (Schmidt & Rutland 2000, J. Comput. Phys.
-// 164, 62: collisions of parcels of unequal numbers). f stays below a limit, the smaller the more
-// the spheres crowd; beyond it a meeting is several impacts, the further ones at random places of
-// the spheres. Frequencies, and the mean exchange of momentum between any two kinds, are those of
-// the particles; a single event need not conserve it.
+// Sphere i must hit the n_j particles of sphere j as often as those would be hit. So a pair has
+// f = max(n_i, n_j) times the spheres' own cross-section s, and an impact changes i with the
+// chance n_j/f and j with n_i/f (Schmidt & Rutland 2000, J. Comput. Phys. 164, 62: collisions of
+// parcels of unequal numbers). Frequencies, and the mean exchange of momentum between any two kinds,
+// are those of the particles; a single event need not conserve it.
+//
+// Where in its cross-section a pair meets says nothing of the particles, so it meets by chance: while
+// the two pass each other closer than R, at the rate f s |v|/(4/3 pi R^3), touching at any place
+// alike. Chance does not remember, and leaves the places of spheres uncorrelated: if they were turned
+// back at R they would crowd each other out, and meet too often. R is the sum of their reaches; the
+// larger it is, the fewer impacts fall on one passage, where they find a pair already slowed, and
+// the less local they are.
+//
+// Such spheres leave each other all the room there is. Particles do not, and so meet oftener
+// (Enskog): the rate grows by their pair correlation at contact.
 
 namespace elutria::dem
 {
 
-/// Largest limit of f: a pair's distance of meeting stays within 4 times its own.
-constexpr double largestCrossSection = 16;
+/// Pair correlation at contact, that is collisions over those of a dilute gas, of equal spheres at
+/// a volume fraction of solids (Carnahan & Starling 1969, doi 10.1063/1.1672048, up to one half).
+inline double contactCorrelation(double solidFraction)
+{
+    const double solids = std::clamp(solidFraction, 0.0, 0.5), room = 1 - solids;
+    return (1 - 0.5*solids)/(room*room*room);
+}
 
 inline bool isWeighted(const Traveller& a, const Traveller& b)
 {
     return a.number != 1 || b.number != 1;
 }
 
-/// By how much a pair's cross-section is larger than its spheres'.
-inline double crossSectionFactor(const Traveller& a, const Traveller& b, double limit)
+/// By how much a pair's cross-section is larger than its spheres', in a dilute cloud.
+inline double crossSectionFactor(const Traveller& a, const Traveller& b)
 {
-    return std::min(std::max({a.number, b.number, 1.0}), limit);
+    return std::max(a.number, b.number);
 }
 
-/// Distance of centres at which a pair meets, m.
-inline double meetingDistance(const Traveller& a, const Traveller& b, double limit)
+/// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
+inline double meetingReach(double radius, double number)
 {
-    const double sum = a.radius + b.radius;
-    return isWeighted(a, b) ? sum*std::sqrt(crossSectionFactor(a, b, limit)) : sum;
+    constexpr double least = 2, most = 128;      // of the number: 2 to 16 radii
+    return radius*std::sqrt(2*std::clamp(number, least, most));
 }
 
-/// By how much the spheres' reach grows with that, at most.
-inline double widening(const std::vector<Traveller>& spheres, double limit)
+/// Another number for every number, with no pattern left (the mixing of MurmurHash3).
+inline std::uint64_t scrambled(std::uint64_t z)
 {
-    double most = 1;
-    for (const Traveller& t : spheres) most = std::max(most, t.number);
-    return std::sqrt(std::min(most, limit));
+    z = (z ^ (z >> 33))*0xff51afd7ed558ccdULL;
+    z = (z ^ (z >> 33))*0xc4ceb9fe1a85ec53ULL;
+    return z ^ (z >> 33);
 }
 
-/// Reproducible numbers in [0, 1) for a meeting.
+/// Reproducible numbers in [0, 1) for a pair on certain legs of its paths. They depend on the piece
+/// of a step (`draw`), and on no value that rounding could change.
 class MeetingChances
 {
 public:
-    MeetingChances(const Traveller& a, const Traveller& b, double time)
+    MeetingChances(std::uint64_t draw, const Traveller& a, std::size_t legA, const Traveller& b,
+                   std::size_t legB)
+        : state_(draw)
     {
-        const Vector3& at = a.flight.position;
-        const double place = at.x + 3*at.y + 7*at.z + time;
-        static_assert(sizeof state_ == sizeof place);
-        std::memcpy(&state_, &place, sizeof state_);
-        state_ = scrambled(scrambled(scrambled(state_) + a.id) + b.id);
+        if (a.id > b.id) add(b.id), add(a.id), add(legB), add(legA);
+        else add(a.id), add(b.id), add(legA), add(legB);
     }
 
     double next()
@@ -71,20 +84,39 @@ public:
     }
 
 private:
-    static std::uint64_t scrambled(std::uint64_t z)
-    {
-        z = (z ^ (z >> 33))*0xff51afd7ed558ccdULL;
-        z = (z ^ (z >> 33))*0xc4ceb9fe1a85ec53ULL;
-        return z ^ (z >> 33);
-    }
+    void add(std::uint64_t key) { state_ = scrambled(state_ + key); }
 
     std::uint64_t state_;
 };
 
-/// Whole number with the mean `expected`.
-inline std::uint64_t wholeNumber(double expected, MeetingChances& chances)
+/// Relative course of a pair from a time to another, along its chord.
+struct Passage
 {
-    return static_cast<std::uint64_t>(expected + chances.next());
+    double from, end;          // s
+    Vector3 start, way;        // m, of a from b
+};
+
+/// When a pair with a weight meets by chance, the first of its chances; never if not.
+inline double meetingByChance(const Traveller& a, const Traveller& b, const Passage& passage,
+                              MeetingChances chances)
+{
+    const double distance = a.reach + b.reach, length2 = squaredNorm(passage.way);
+    const double approach = -dot(passage.start, passage.way);
+    const double outside = squaredNorm(passage.start) - distance*distance;
+    if (!(length2 > 0) || (outside > 0 && approach < 0)) return never;
+    const double root2 = approach*approach - outside*length2;
+    if (!(root2 > 0)) return never;
+    const double root = std::sqrt(root2);
+    const double enters = std::max((approach - root)/length2, 0.0);      // parts of the way
+    const double leaves = std::min((approach + root)/length2, 1.0);
+    if (!(leaves > enters)) return never;
+
+    const double sum = a.radius + b.radius;
+    const double meanWay = 4*distance*distance*distance
+        /(3*sum*sum*crossSectionFactor(a, b)*0.5*(a.crowding + b.crowding));
+    const double way = -meanWay*std::log1p(-chances.next());
+    const double meets = enters + way/std::sqrt(length2);
+    return meets < leaves ? passage.from + meets*(passage.end - passage.from) : never;
 }
 
 /// Unit vector from b to a where they touch, for a place of touching as likely as any other.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,11 @@ FEED = {
 }
 
 
-def column(folder: Path, **control) -> Path:
+PARCELS = {**FEED, "massFlowRate": 8e-3, "duration": 0.2, "parcels": "evenSizes"}
+"""Each stands for many particles, or for a share of one, and meets others by chance."""
+
+
+def column(folder: Path, feed: dict[str, object] = FEED, **control) -> Path:
     case = make_scene(
         folder,
         settings={
@@ -45,7 +50,7 @@ def column(folder: Path, **control) -> Path:
             **{f"{CONTROL}:{name}": value for name, value in control.items()},
         },
     )
-    add_feed(case, FEED)
+    add_feed(case, feed)
     return case
 
 
@@ -79,6 +84,21 @@ def test_two_processors_record_what_one_records(tmp_path: Path, measured) -> Non
     run_scene(serial)
     run_scene(parallel, processors=2)
     compare(serial, parallel, measured, "largest difference of a row, s and m/s")
+
+
+def test_what_parcels_meet_by_chance_is_the_same_in_pieces(tmp_path: Path, measured) -> None:
+    whole, parallel, parts = (
+        column(tmp_path / name, PARCELS) for name in ("whole", "parallel", "parts")
+    )
+    log = run_scene(whole)
+    assert float(re.findall(r"impacts +(\S+)", log)[-1]) > 200
+    run_scene(parallel, processors=2)
+    compare(whole, parallel, measured, "largest difference of a row, processors")
+    change(parts, {f"{CONTROL}:endTime": 0.1})
+    run_scene(parts)
+    change(parts, {f"{CONTROL}:endTime": 0.3})
+    run_scene(parts)
+    compare(whole, parts, measured, "largest difference of a row, restart")
 
 
 def test_a_restart_goes_on_as_if_uninterrupted(tmp_path: Path, measured) -> None:

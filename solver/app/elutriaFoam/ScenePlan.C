@@ -151,6 +151,22 @@ void ScenePlan::makeBlocks()
 }
 
 
+void ScenePlan::findFlowAxis()
+{
+    const volVectorField& U = gas_.U();
+    const vector flow(gSum((U.primitiveField()*U.mesh().V())()));
+    flowAxis_ = 0;
+    for (direction axis = 1; axis < vector::nComponents; ++axis)
+    {
+        if (mag(flow[axis]) > mag(flow[flowAxis_]))
+        {
+            flowAxis_ = axis;
+        }
+    }
+    flowsBack_ = flow[flowAxis_] < 0;
+}
+
+
 template<class Type>
 Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
 {
@@ -167,15 +183,11 @@ Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
 
 scalar ScenePlan::gatheredForce(const vectorField& force) const
 {
-    const vector flow(gSum((gas_.U().primitiveField()*gas_.U().mesh().V())()));
-    direction along = 0;
-    for (direction axis = 1; axis < vector::nComponents; ++axis)
-    {
-        along = mag(flow[axis]) > mag(flow[along]) ? axis : along;
-    }
-    const label layers = blocks_[along];
+    const label layers = blocks_[flowAxis_];
     const label stride =
-        along == 0 ? 1 : along == 1 ? blocks_.x() : blocks_.x()*blocks_.y();
+        flowAxis_ == vector::X ? 1
+      : flowAxis_ == vector::Y ? blocks_.x()
+      : blocks_.x()*blocks_.y();
 
     scalar gathered = 0;
     forAll(force, first)
@@ -187,7 +199,7 @@ scalar ScenePlan::gatheredForce(const vectorField& force) const
         vector passed(Zero);
         for (label k = 0; k < layers; ++k)
         {
-            const label layer = flow[along] < 0 ? layers - 1 - k : k;
+            const label layer = flowsBack_ ? layers - 1 - k : k;
             passed += force[first + layer*stride];
             gathered += mag(passed);
         }
@@ -226,12 +238,13 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     steps_(0)
 {
     makeBlocks();
+    findFlowAxis();
     const dictionary dict(readSettings(runTime));
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
-    collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.05);
+    collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.1);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     readState();
     if (retakes_ < 0)
@@ -300,6 +313,7 @@ void ScenePlan::gasSolved(const scalar change)
     ++solves_;
     since_ = 0;
     lastLoad_ = load_;
+    findFlowAxis();
 
     if (change < 0.5*tolerance_)
     {

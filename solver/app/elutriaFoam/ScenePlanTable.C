@@ -236,13 +236,17 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
               + number(contact*cloud.contactStepFraction()) + " s; gas step "
               + number(dt) + " s"
             );
-            if (largestStep(cloud) < dt)
+            if
+            (
+                largestStep(cloud) < dt
+             && runTime.controlDict().getOrDefault("adjustTimeStep", false)
+            )
             {
                 row
                 (
                     "step", number(largestStep(cloud)) + " s at most",
                     "not deltaT: a particle collides less than "
-                  + number(collisionsPerStep_) + " times in it (adjustTimeStep)"
+                  + number(collisionsPerStep_) + " times in it"
                 );
             }
             announceStiffness(cloud);

@@ -17,7 +17,7 @@ namespace
 {
 
 constexpr double side = 0.2, duration = 0.2;
-constexpr int steps = 200;
+constexpr unsigned steps = 200;
 
 struct Kind
 {
@@ -76,7 +76,7 @@ Result meet(const Kind& heavy, const Kind& light, std::uint32_t seed)
     pair.restitution = 0.8, pair.friction = 0.2, pair.normalStiffness = 1e3;
     materials.setPair(0, 0, pair);
     Engine engine(settings, materials);
-    for (int k = 0; k < steps; ++k) engine.advance(all, duration/steps);
+    for (; all.moment < steps; ++all.moment) engine.advance(all, duration/steps);
 
     Result result{};
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -92,7 +92,7 @@ Result meet(const Kind& heavy, const Kind& light, std::uint32_t seed)
 Result meanOf(const Kind& heavy, const Kind& light)
 {
     Result sum{};
-    constexpr int runs = 2;
+    constexpr int runs = 4;
     for (int k = 0; k < runs; ++k)
     {
         const Result one = meet(heavy, light, 10u*unsigned(k));
@@ -180,7 +180,7 @@ TEST_CASE("spheres of many particles that crowd do not take each other into cont
 {
     Crowd crowd(0.02, 16);      // 2 % solids; meetings join all
     std::size_t soft = 0;
-    for (int step = 0; step < 5; ++step)
+    for (; crowd.all.moment < 5; ++crowd.all.moment)
         soft += crowd.engine->advance(crowd.all, 1e-3).softParticles;
     CHECK(soft < 500);
 }
@@ -191,20 +191,77 @@ TEST_CASE("spheres that pass through each other get no energy from contact steps
     Crowd crowd(0.012, 0.25);       // 10 % solids
     const double before = crowd.fastest();
     std::size_t soft = 0;
-    for (int step = 0; step < 5; ++step)
+    for (; crowd.all.moment < 5; ++crowd.all.moment)
         soft += crowd.engine->advance(crowd.all, 1e-3).softParticles;
     REQUIRE(soft > 10);
     CHECK(crowd.fastest() < 1.2*before);
 }
 
 
-TEST_CASE("without weights a meeting distance is the sum of radii")
+namespace
 {
-    Traveller a, b;
-    a.radius = 1, b.radius = 2;
-    CHECK(meetingDistance(a, b, 16) == 3);
-    b.number = 4;
-    CHECK(meetingDistance(a, b, 16) == near(6, 1e-5));
-    b.number = 1e6;
-    CHECK(meetingDistance(a, b, 16) == near(12, 1e-5));
+
+/// Momentum that spheres at rest get from those that fly among them, tenth of the volume solid,
+/// placed as spheres are that have met long enough.
+double passedOn(double number, double solidFraction)
+{
+    constexpr double width = 0.03, radius = 0.5e-3, mass = 1e-6;
+    Settings settings;
+    settings.law = ContactLaw::linear;
+    for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
+    settings.box.high = {width, width, width};
+    ContactMaterials materials;
+    materials.add({"grain", 1e7, 0.3});
+    PairProperties pair;
+    pair.restitution = 1, pair.normalStiffness = 1e5;
+    materials.setPair(0, 0, pair);
+    Engine engine(settings, materials);
+
+    double momentum = 0;
+    constexpr std::size_t particles = 5160;
+    for (unsigned run = 0; run < 4; ++run)
+    {
+        Particles all;
+        std::mt19937_64 random(run);
+        std::uniform_real_distribution<double> place(0, width);
+        while (double(all.size())*number < particles)
+        {
+            const Vector3 x{place(random), place(random), place(random)};
+            bool free = true;
+            for (std::size_t j = 0; number == 1 && free && j < all.size(); ++j)
+                free = norm(settings.box.shortest(x - all.position[j])) > 2*radius;
+            if (!free) continue;
+            scenes::addSphere(all, x, radius, 2500);
+            all.mass.back() = mass;
+            const double turn = 200*place(random)/width;
+            all.velocity.set(all.size() - 1, {std::cos(turn), std::sin(turn), std::sin(7*turn)});
+        }
+        all.number.assign(all.size(), number);
+        all.solidFraction.assign(all.size(), solidFraction);
+        for (; all.moment < 100; ++all.moment) engine.advance(all, 1e-4);
+        all.velocity.assign(all.size(), {});
+        for (std::size_t i = 1; i < all.size(); i += 2) all.velocity.set(i, {0, 0, 1});
+        for (; all.moment < 110; ++all.moment) engine.advance(all, 0.5e-4);
+        for (std::size_t i = 0; i < all.size(); i += 2) momentum += number*mass*all.velocity[i].z;
+    }
+    return momentum;
+}
+
+} // namespace
+
+
+TEST_CASE("where solids take a tenth of the room, spheres of many particles meet as often as those")
+{
+    const double particles = passedOn(1, 0);
+    CHECK(passedOn(4, 0.1) == near(particles, 0.06));
+    CHECK(passedOn(4, 0) < 0.85*particles);
+}
+
+
+TEST_CASE("a sphere of more particles reaches further, up to sixteen radii")
+{
+    CHECK(meetingReach(2, 0.1) == near(4, 1e-9));
+    CHECK(meetingReach(2, 2) == near(4, 1e-9));
+    CHECK(meetingReach(2, 8) == near(8, 1e-9));
+    CHECK(meetingReach(2, 1e6) == near(32, 1e-9));
 }

@@ -23,7 +23,7 @@ from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, ch
 
 FEED_TIME, DRAIN_TIME = 0.25, 4.0
 """s: of the feed, and from its end to the run's end."""
-STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.05
+STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.1
 """Limits of the case's time step: s, cells that the gas crosses in it, collisions of a particle."""
 
 Changes = Mapping[str, Any]
@@ -112,7 +112,7 @@ POINTS = (
     Point("parcels / 3", parcels=1 / 3, dense=False),
     Point("parcels x 3", parcels=3, fast=False, dense=False),
     Point("parcels x 10", parcels=10),
-    Point("parcels of 12 particles", {"constant/feed:particlesPerParcel": 12}, column=False),
+    Point("parcels of 6 particles", {"constant/feed:particlesPerParcel": 6}, column=False),
     Point("parcels of 35 particles", {"constant/feed:particlesPerParcel": 35}, column=False),
     Point("soft contacts", SOFT, fast=False, dense=False, once=True),
     Point("one-way", ONE_WAY),
