@@ -141,15 +141,15 @@ POINTS = (
     Point("no focus", {"constant/feed:focus": "none"}, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
-    Point("parcels particles, step / 2", {**REAL, **step(0.5)}, column=False, once=True),
+    Point("parcels particles, step / 4", {**REAL, **step(0.25)}, column=False, once=True),
     Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False, once=True),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
 REFERENCE = Point("mesh x 1.5, step / 2, emptied for 8 s", {**step(0.5), f"{BOX}:drainTime": 8},
                   mesh=1.5)  # fmt: skip
 DENSE_REFERENCE = Point(
-    "parcels particles, step / 2, gas tolerance / 2",
-    {**REAL, **step(0.5), "system/scenePlan:gasTolerance": 0.005},
+    "parcels particles, step / 4, gas tolerance / 2",
+    {**REAL, **step(0.25), "system/scenePlan:gasTolerance": 0.005},
 )
 """The finest that a few minutes can pay; each is refined further to see what that changes."""
 
