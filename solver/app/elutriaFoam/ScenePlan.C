@@ -244,7 +244,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
-    collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.1);
+    collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.05);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
     readState();
     if (retakes_ < 0)

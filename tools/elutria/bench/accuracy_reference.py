@@ -35,7 +35,7 @@ COLUMNS = (
 )  # fmt: skip
 TEXTS = ("scene", "how", "made", "commit")
 FILE = "accuracy_reference.csv"
-PARCELS, SEEDS = 12000, (11, 12)
+PARCELS, SEEDS = 12000, (11, 12, 13, 14)
 REFINED_COLUMNS = ("scene", "refined", "d50_m", "d50_change", "d50_noise", "seconds")
 REFINED_FILE = "accuracy_refined.csv"
 
@@ -93,9 +93,8 @@ def _refinements(scene: Scene) -> list[Point]:
     """The reference with one thing finer."""
     point = _point(scene)
     tolerance = {"system/scenePlan:gasTolerance": 0.002}
-    parts = 8 if scene == DENSE else 4
     finer = [
-        replace(point, name=f"step / {parts}", changes={**point.changes, **step(1 / parts)}),
+        replace(point, name="step / 4", changes={**point.changes, **step(0.25)}),
         replace(point, name=f"mesh x {1.5 * point.mesh:g}", mesh=1.5 * point.mesh),
         replace(point, name="gas tolerance / 5", changes={**point.changes, **tolerance}),
     ]

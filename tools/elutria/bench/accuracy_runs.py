@@ -23,7 +23,7 @@ from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, ch
 
 FEED_TIME, DRAIN_TIME = 0.25, 4.0
 """s: of the feed, and from its end to the run's end."""
-STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.1
+STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.05
 """Limits of the case's time step: s, cells that the gas crosses in it, collisions of a particle."""
 
 Changes = Mapping[str, Any]
@@ -112,7 +112,7 @@ POINTS = (
     Point("parcels / 3", parcels=1 / 3, dense=False),
     Point("parcels x 3", parcels=3, fast=False, dense=False),
     Point("parcels x 10", parcels=10),
-    Point("parcels of 6 particles", {"constant/feed:particlesPerParcel": 6}, column=False),
+    Point("parcels of 12 particles", {"constant/feed:particlesPerParcel": 12}, column=False),
     Point("parcels of 35 particles", {"constant/feed:particlesPerParcel": 35}, column=False),
     Point("soft contacts", SOFT, fast=False, dense=False, once=True),
     Point("one-way", ONE_WAY),
@@ -141,15 +141,15 @@ POINTS = (
     Point("no focus", {"constant/feed:focus": "none"}, dense=False),
     Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
-    Point("parcels particles, step / 4", {**REAL, **step(0.25)}, column=False, once=True),
+    Point("parcels particles, step / 2", {**REAL, **step(0.5)}, column=False, once=True),
     Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False, once=True),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
 REFERENCE = Point("mesh x 1.5, step / 2, emptied for 8 s", {**step(0.5), f"{BOX}:drainTime": 8},
                   mesh=1.5)  # fmt: skip
 DENSE_REFERENCE = Point(
-    "parcels particles, step / 4, gas tolerance / 2",
-    {**REAL, **step(0.25), "system/scenePlan:gasTolerance": 0.005},
+    "parcels particles, step / 2, gas tolerance / 2",
+    {**REAL, **step(0.5), "system/scenePlan:gasTolerance": 0.005},
 )
 """The finest that a few minutes can pay; each is refined further to see what that changes."""
 
