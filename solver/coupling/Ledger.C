@@ -111,9 +111,10 @@ void Ledger::takeOver(const scalar time)
     // Half a step of the last written digit: rows are written with 12 digits
     const scalar until = time*(1 + 1e-11);
 
-    for (const fileName& run : readDir(directory_/"outlets", fileName::DIRECTORY))
+    // In order of time, so that sums are those of one run to the last bit
+    for (const instant& start : Time::findTimes(directory_/"outlets"))
     {
-        const fileName file(directory_/"outlets"/run/"particles.csv");
+        const fileName file(directory_/"outlets"/start.name()/"particles.csv");
         if (isFile(file, false))
         {
             trim(file, until);

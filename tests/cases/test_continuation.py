@@ -111,6 +111,17 @@ def test_a_restart_goes_on_as_if_uninterrupted(tmp_path: Path, measured) -> None
     compare(whole, parts, measured, "largest difference of a row, s and m/s")
 
 
+def test_the_ledger_of_many_starts_is_that_of_one(tmp_path: Path) -> None:
+    whole, parts = (column(tmp_path / name, writeInterval=0.025) for name in ("whole", "parts"))
+    run_scene(whole)
+    for step in range(1, 13):
+        change(parts, {f"{CONTROL}:endTime": 0.025 * step})
+        run_scene(parts)
+    assert len(list((parts / "postProcessing/outlets").iterdir())) == 12
+    ledgers = [(case / "postProcessing/ledger.json").read_bytes() for case in (whole, parts)]
+    assert ledgers[0] == ledgers[1], "sums in another order differ in their last bits"
+
+
 def test_a_restart_from_before_the_end_takes_back_what_was_recorded_later(
     tmp_path: Path, measured
 ) -> None:
