@@ -15,6 +15,8 @@
 #include "turbulenceModel.H"
 #include "zeroGradientFvPatchFields.H"
 
+#include <algorithm>
+
 namespace Foam
 {
 
@@ -223,11 +225,11 @@ void ElutriaCloud::findSolidFractions()
     std::vector<double>& fractions = particles_.solidFraction;
     fractions.assign(this->size(), 0);
 
-    bool weighted = false;
-    for (const double number : particles_.number)
-    {
-        weighted = weighted || number != 1;
-    }
+    const bool weighted = std::any_of
+    (
+        particles_.number.begin(), particles_.number.end(),
+        [](const double number) { return number != 1; }
+    );
     if (!contacts_ || !returnReduce(weighted, orOp<bool>()))
     {
         return;

@@ -16,6 +16,11 @@ constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
 constexpr std::uint32_t mostForcedImpacts = 1000;    // also meetings of weighted spheres
 constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
 
+ImpactBody bodyOf(const Traveller& t)
+{
+    return {t.radius, 1/t.mass, t.flight.velocity, t.spin};
+}
+
 } // namespace
 
 
@@ -98,14 +103,14 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     const Traveller &ta = (*members_)[a], &tb = (*members_)[b];
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
-    const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
     if (isWeighted(ta, tb))
     {
-        const Vector3 way = sa.end - sb.end - d;
-        const double time = meetingByChance(ta, tb, {from, end_, shortest, way}, chances(a, b));
+        const Passage passage(from, end_, fa.position, sa.end, fb.position, sb.end, box_);
+        const double time = meetingByChance(ta, tb, passage, chances(a, b));
         if (time < never) push({time, a, b, sa.version, sb.version, false});
         return;
     }
+    const Vector3 d = fa.position - fb.position, shortest = box_.shortest(d);
     const double sum = ta.radius + tb.radius;
     Event event{from, a, b, sa.version, sb.version, true};
     if (norm(shortest) >= (1 - shallow)*sum)
@@ -203,12 +208,17 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     const bool onWall = b == wall;
     State& sa = states_[a];
     if (tooMany(event)) return Verdict::handOver;
+    if (!onWall && isWeighted((*members_)[a], (*members_)[b]))
+    {
+        meetWeighted(event);
+        return Verdict::done;
+    }
     if (!forced_ && time >= busyUntil_) remember(time);
 
     fly(a, time);
     if (!onWall) fly(b, time);
-    Traveller& ta = (*members_)[a];
-    ImpactBody bodyA{ta.radius, 1/ta.mass, ta.flight.velocity, ta.spin}, bodyB;
+    const Traveller& ta = (*members_)[a];
+    ImpactBody bodyA = bodyOf(ta), bodyB;
     Vector3 normal, acceleration = ta.flight.acceleration;
     std::uint32_t other;
     if (onWall)
@@ -219,7 +229,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     else
     {
         const Traveller& tb = (*members_)[b];
-        bodyB = {tb.radius, 1/tb.mass, tb.flight.velocity, tb.spin};
+        bodyB = bodyOf(tb);
         normal = box_.shortest(ta.flight.position - tb.flight.position);
         other = tb.material;
         acceleration -= tb.flight.acceleration;
@@ -231,11 +241,6 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     const double radius = onWall ? ta.radius
         : ta.radius*bodyB.radius/(ta.radius + bodyB.radius);
     const bool busy = time < sa.busyUntil || (!onWall && time < states_[b].busyUntil);
-    if (!onWall && isWeighted(ta, (*members_)[b]))
-    {
-        meetWeighted(event, bodyA, bodyB, law);
-        return Verdict::done;
-    }
     if (busy && !forced_) return Verdict::crowded;
     if (!(closing > 0)) return Verdict::handOver;
     const double lasts = law.duration(mass, radius, closing);
@@ -264,16 +269,18 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
 
 /// An impact somewhere in the spheres' cross-section, which each feels as often as the other has
 /// particles.
-void EventDriven::meetWeighted(const Event& event, ImpactBody bodyA, ImpactBody bodyB,
-                               const ImpactLaw& law)
+void EventDriven::meetWeighted(const Event& event)
 {
+    fly(event.a, event.time);
+    fly(event.b, event.time);
     const Traveller &ta = (*members_)[event.a], &tb = (*members_)[event.b];
+    ImpactBody bodyA = bodyOf(ta), bodyB = bodyOf(tb);
     MeetingChances chances = this->chances(event.a, event.b);
     chances.next();                    // has said when
     const double factor = crossSectionFactor(ta, tb), chance = chances.next();
     const Vector3 passing = bodyA.velocity - bodyB.velocity;
     const bool hit = norm(passing) > 0
-        && collide(bodyA, bodyB, randomNormal(passing, chances), law);
+        && collide(bodyA, bodyB, randomNormal(passing, chances), laws_(ta.material, tb.material));
     const bool hitsA = hit && chance*factor < tb.number, hitsB = hit && chance*factor < ta.number;
     const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {

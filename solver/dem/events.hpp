@@ -112,7 +112,7 @@ private:
     enum class Verdict { done, handOver, crowded };
     bool tooMany(const Event&) const;
     Verdict carryOut(const Event&);
-    void meetWeighted(const Event&, ImpactBody a, ImpactBody b, const ImpactLaw&);
+    void meetWeighted(const Event&);
     void predictAfter(const Event&, bool changedA, bool changedB);
     void fly(std::uint32_t a, double to);
     void changed(std::uint32_t a, const ImpactBody& after);

@@ -28,8 +28,9 @@ namespace elutria::dem
 ///     other): the two are moved apart before the step, their centre of mass kept, without
 ///     touching velocities, so that no energy comes out of it.
 ///  6. Spheres of many particles meet by chance instead (weights.hpp). A step too long for its
-///     density, where candidates crowd, is cut into halves. Where most particles touch, halving no longer helps, or the step is but a few sub-steps long, all take
-///     the soft law (the plain engine), until few touch.
+///     density, where candidates crowd, is cut into halves. Where most particles touch, halving no
+///     longer helps, or the step is but a few sub-steps long, all take the soft law (the plain
+///     engine), until few touch.
 ///
 /// Particles are handled in the order of their ids: neither the caller's order nor the number of
 /// threads shows in the result.

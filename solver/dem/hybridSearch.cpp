@@ -92,9 +92,8 @@ void Hybrid::checkPair(std::uint32_t i, std::uint32_t j, double duration)
     const Flight &a = start_[i].flight, &b = start_[j].flight;
     if (isWeighted(start_[i], start_[j]))
     {
-        const Vector3 d = a.position - b.position;
-        const Vector3 way = ends_[i].position - ends_[j].position - d;
-        const Passage passage{0, duration, settings_.box.shortest(d), way};
+        const Passage passage(0, duration, a.position, ends_[i].position, b.position,
+                              ends_[j].position, settings_.box);
         const MeetingChances chances(draw_, start_[i], 0, start_[j], 0);
         if (meetingByChance(start_[i], start_[j], passage, chances) < never)
             candidates_.push_back({i, j});

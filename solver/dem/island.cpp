@@ -28,12 +28,6 @@ double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
     return k + 1 < legs.size() ? legs[k + 1].begin : duration;
 }
 
-Passage passage(const Flight& a, const Flight& b, const PeriodicBox& box, double from, double end)
-{
-    const Vector3 d = a.position - b.position;
-    return {from, end, box.shortest(d), a.at(end - from).position - b.at(end - from).position - d};
-}
-
 bool onFreeFlight(const Traveller& start, const Leg& leg)
 {
     const Vector3 &v = leg.flight.velocity, &free = start.flight.velocity;
@@ -174,13 +168,17 @@ bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Travelle
         {
             const Flight fa = legA.flight.at(begin - legA.begin);
             const Flight fb = legB.flight.at(begin - legB.begin);
-            const double slack = legA.slack + legB.slack;
-            if (isWeighted(a, b)
-                    ? slack == 0           // in contact steps they pass each other
-                      && meetingByChance(a, b, passage(fa, fb, box, begin, duration), {draw, a, i, b, j})
-                             < end
-                    : flightsMeet(fa, fb, a.radius + b.radius + slack, box, end - begin))
-                return true;
+            const double slack = legA.slack + legB.slack, rest = duration - begin;
+            if (!isWeighted(a, b))
+            {
+                if (flightsMeet(fa, fb, a.radius + b.radius + slack, box, end - begin)) return true;
+            }
+            else if (slack == 0)           // in contact steps they pass each other
+            {
+                const Passage passage(begin, duration, fa.position, fa.at(rest).position,
+                                      fb.position, fb.at(rest).position, box);
+                if (meetingByChance(a, b, passage, {draw, a, i, b, j}) < end) return true;
+            }
         }
         if (endA <= endB) ++i;
         else ++j;

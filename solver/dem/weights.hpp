@@ -94,6 +94,13 @@ struct Passage
 {
     double from, end;          // s
     Vector3 start, way;        // m, of a from b
+
+    /// From the places of both at either time.
+    Passage(double from, double end, const Vector3& startA, const Vector3& endA,
+            const Vector3& startB, const Vector3& endB, const PeriodicBox& box)
+        : from(from), end(end), start(box.shortest(startA - startB)),
+          way(endA - endB - (startA - startB))
+    {}
 };
 
 /// When a pair with a weight meets by chance, the first of its chances; never if not.

@@ -54,6 +54,13 @@ def column(folder: Path, feed: dict[str, object] = FEED, **control) -> Path:
     return case
 
 
+def run_until(case: Path, *ends: float) -> None:
+    """Run the case in pieces that end at these times, s."""
+    for end in ends:
+        change(case, {f"{CONTROL}:endTime": end})
+        run_scene(case)
+
+
 def rows(case: Path) -> list[list[str]]:
     """All recorded rows, of every start of the run, sorted by time and number."""
     found = []
@@ -94,29 +101,21 @@ def test_what_parcels_meet_by_chance_is_the_same_in_pieces(tmp_path: Path, measu
     assert float(re.findall(r"impacts +(\S+)", log)[-1]) > 200
     run_scene(parallel, processors=2)
     compare(whole, parallel, measured, "largest difference of a row, processors")
-    change(parts, {f"{CONTROL}:endTime": 0.1})
-    run_scene(parts)
-    change(parts, {f"{CONTROL}:endTime": 0.3})
-    run_scene(parts)
+    run_until(parts, 0.1, 0.3)
     compare(whole, parts, measured, "largest difference of a row, restart")
 
 
 def test_a_restart_goes_on_as_if_uninterrupted(tmp_path: Path, measured) -> None:
     whole, parts = (column(tmp_path / name) for name in ("whole", "parts"))
     run_scene(whole)
-    change(parts, {f"{CONTROL}:endTime": 0.1})
-    run_scene(parts)
-    change(parts, {f"{CONTROL}:endTime": 0.3})
-    run_scene(parts)
+    run_until(parts, 0.1, 0.3)
     compare(whole, parts, measured, "largest difference of a row, s and m/s")
 
 
 def test_the_ledger_of_many_starts_is_that_of_one(tmp_path: Path) -> None:
     whole, parts = (column(tmp_path / name, writeInterval=0.025) for name in ("whole", "parts"))
     run_scene(whole)
-    for step in range(1, 13):
-        change(parts, {f"{CONTROL}:endTime": 0.025 * step})
-        run_scene(parts)
+    run_until(parts, *(0.025 * step for step in range(1, 13)))
     assert len(list((parts / "postProcessing/outlets").iterdir())) == 12
     ledgers = [(case / "postProcessing/ledger.json").read_bytes() for case in (whole, parts)]
     assert ledgers[0] == ledgers[1], "sums in another order differ in their last bits"

@@ -46,6 +46,16 @@ void add(Particles& all, const Kind& kind, std::uint32_t seed)
     }
 }
 
+/// The linear law in a box of that width that goes on in all directions.
+Settings periodicBox(double width)
+{
+    Settings settings;
+    settings.law = ContactLaw::linear;
+    for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
+    settings.box.high = {width, width, width};
+    return settings;
+}
+
 struct Result { double heavyMomentum, lightMomentum, lightEnergy; };
 
 const Kind heavy{1, 2000, 1e-3, 2000, {}};
@@ -66,16 +76,9 @@ Result meet(const Kind& heavy, const Kind& light, std::uint32_t seed)
     const std::size_t first = all.size();
     add(all, light, seed + 100);
 
-    Settings settings;
-    settings.law = ContactLaw::linear;
-    for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
-    settings.box.high = {side, side, side};
-    ContactMaterials materials;
-    materials.add({"grain", 1e7, 0.3});
     PairProperties pair;
     pair.restitution = 0.8, pair.friction = 0.2, pair.normalStiffness = 1e3;
-    materials.setPair(0, 0, pair);
-    Engine engine(settings, materials);
+    Engine engine(periodicBox(side), scenes::oneMaterial(pair));
     for (; all.moment < steps; ++all.moment) engine.advance(all, duration/steps);
 
     Result result{};
@@ -206,16 +209,10 @@ namespace
 double passedOn(double number, double solidFraction)
 {
     constexpr double width = 0.03, radius = 0.5e-3, mass = 1e-6;
-    Settings settings;
-    settings.law = ContactLaw::linear;
-    for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
-    settings.box.high = {width, width, width};
-    ContactMaterials materials;
-    materials.add({"grain", 1e7, 0.3});
+    const Settings settings = periodicBox(width);
     PairProperties pair;
     pair.restitution = 1, pair.normalStiffness = 1e5;
-    materials.setPair(0, 0, pair);
-    Engine engine(settings, materials);
+    Engine engine(settings, scenes::oneMaterial(pair));
 
     double momentum = 0;
     constexpr std::size_t particles = 5160;
