@@ -52,6 +52,7 @@ COLUMNS = report.COLUMNS
 SCENES = (SLOW, FAST, DENSE)
 PARCELS, QUICK_PARCELS = 1200, 200
 SEEDS, QUICK_SEEDS = (1, 2, 3, 4), (1,)
+MPPIC_RUNS = 4
 QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6", "gas by points, mesh x 0.6")
 
 Row = dict[str, Any]
@@ -132,7 +133,7 @@ def _stock(options: Options, runs: Path, scene: Scene, reference: Cut) -> list[R
         folder = runs / slug(scene.name, "mppic")
         rows.append(
             _tried(scene, "stock MPPICFoam", "stock", reference,
-                   lambda: [run_mppic(folder, scene)])
+                   lambda: run_mppic(folder, scene, MPPIC_RUNS))
         )  # fmt: skip
     folder = runs / slug(scene.name, "stock")
     try:
