@@ -4,6 +4,7 @@
 #include "events.hpp"
 #include "laws.hpp"
 #include "meeting.hpp"
+#include "scrambled.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,16 +53,8 @@ inline double crossSectionFactor(const Traveller& a, const Traveller& b)
 /// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
 inline double meetingReach(double radius, double number)
 {
-    constexpr double least = 2, most = 128;      // of the number: 2 to 16 radii
+    constexpr double least = 8, most = 128;      // of the number: 2 to 16 radii
     return radius*std::sqrt(2*std::clamp(number, least, most));
-}
-
-/// Another number for every number, with no pattern left (the mixing of MurmurHash3).
-inline std::uint64_t scrambled(std::uint64_t z)
-{
-    z = (z ^ (z >> 33))*0xff51afd7ed558ccdULL;
-    z = (z ^ (z >> 33))*0xc4ceb9fe1a85ec53ULL;
-    return z ^ (z >> 33);
 }
 
 /// Reproducible numbers in [0, 1) for a pair on certain legs of its paths. They depend on the piece
@@ -121,8 +114,9 @@ inline double meetingByChance(const Traveller& a, const Traveller& b, const Pass
     const double sum = a.radius + b.radius;
     const double meanWay = 4*distance*distance*distance
         /(3*sum*sum*crossSectionFactor(a, b)*0.5*(a.crowding + b.crowding));
-    const double way = -meanWay*std::log1p(-chances.next());
-    const double meets = enters + way/std::sqrt(length2);
+    const double chance = chances.next(), length = std::sqrt(length2);
+    if (chance*meanWay > (leaves - enters)*length) return never;     // less than the way below
+    const double meets = enters - meanWay*std::log1p(-chance)/length;
     return meets < leaves ? passage.from + meets*(passage.end - passage.from) : never;
 }
 

@@ -113,8 +113,8 @@ TEST_CASE("spheres of many particles and of shares of one exchange momentum as t
 {
     const Result single = meanOf(heavy, light);
     const Result weighted = meanOf(inGroups(heavy, 0.5), inGroups(light, 5));
-    // about 3000 meetings: a standard deviation of 2 %, and as much for the few spheres
-    CHECK(weighted.heavyMomentum == near(single.heavyMomentum, 0.07));
+    // of 60 runs each: heavy -1.5 %, light +0.6 %; one of them: standard deviations 2.0 and 1.1 %
+    CHECK(weighted.heavyMomentum == near(single.heavyMomentum, 0.04));
     CHECK(weighted.lightMomentum == near(single.lightMomentum, 0.02));
     CHECK(weighted.lightEnergy == near(single.lightEnergy, 0.02));
     const double total = single.heavyMomentum + single.lightMomentum;
@@ -126,7 +126,7 @@ TEST_CASE("spheres of more particles than their distance of meeting can tell hit
 {
     // the more impacts a meeting is, the more of them find the spheres already slowed
     const Result single = meanOf(heavy, dust);
-    for (const auto& [number, share] : {std::pair{40., 0.1}, {160., 0.2}})
+    for (const auto& [number, share] : {std::pair{40., 0.06}, {160., 0.12}})
     {
         const Result weighted = meanOf(heavy, inGroups(dust, number));
         CHECK(weighted.heavyMomentum == near(single.heavyMomentum, share));
@@ -205,8 +205,8 @@ namespace
 {
 
 /// Momentum that spheres at rest get from those that fly among them, tenth of the volume solid,
-/// placed as spheres are that have met long enough.
-double passedOn(double number, double solidFraction)
+/// placed as spheres are that have met long enough; mean of as many runs.
+double passedOn(double number, double solidFraction, unsigned runs)
 {
     constexpr double width = 0.03, radius = 0.5e-3, mass = 1e-6;
     const Settings settings = periodicBox(width);
@@ -216,7 +216,7 @@ double passedOn(double number, double solidFraction)
 
     double momentum = 0;
     constexpr std::size_t particles = 5160;
-    for (unsigned run = 0; run < 4; ++run)
+    for (unsigned run = 0; run < runs; ++run)
     {
         Particles all;
         std::mt19937_64 random(run);
@@ -241,7 +241,7 @@ double passedOn(double number, double solidFraction)
         for (; all.moment < 110; ++all.moment) engine.advance(all, 0.5e-4);
         for (std::size_t i = 0; i < all.size(); i += 2) momentum += number*mass*all.velocity[i].z;
     }
-    return momentum;
+    return momentum/runs;
 }
 
 } // namespace
@@ -249,16 +249,17 @@ double passedOn(double number, double solidFraction)
 
 TEST_CASE("where solids take a tenth of the room, spheres of many particles meet as often as those")
 {
-    const double particles = passedOn(1, 0);
-    CHECK(passedOn(4, 0.1) == near(particles, 0.06));
-    CHECK(passedOn(4, 0) < 0.85*particles);
+    // one run has a standard deviation of 4 %, one of spheres of four 8 %
+    const double particles = passedOn(1, 0, 8);
+    CHECK(passedOn(4, 0.1, 32) == near(particles, 0.04));
+    CHECK(passedOn(4, 0, 32) < 0.85*particles);
 }
 
 
-TEST_CASE("a sphere of more particles reaches further, up to sixteen radii")
+TEST_CASE("a sphere of more particles reaches further, four to sixteen radii")
 {
-    CHECK(meetingReach(2, 0.1) == near(4, 1e-9));
-    CHECK(meetingReach(2, 2) == near(4, 1e-9));
+    CHECK(meetingReach(2, 0.1) == near(8, 1e-9));
     CHECK(meetingReach(2, 8) == near(8, 1e-9));
+    CHECK(meetingReach(2, 32) == near(16, 1e-9));
     CHECK(meetingReach(2, 1e6) == near(32, 1e-9));
 }
