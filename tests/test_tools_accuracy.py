@@ -99,8 +99,10 @@ def test_runs_together_know_more_than_one_and_what_one_is_off_by() -> None:
 
 
 def test_events_without_a_cut_have_no_error_to_tell() -> None:
-    events = events_of(100, 5e-3, slope=100)
-    assert np.isnan(errors([cut_of_events(events)], log_logistic(500e-6))["d50_error"])
+    none = cut_of_events(events_of(100, 5e-3, slope=100))
+    for cuts in ([none], [none, log_logistic(510e-6)]):
+        found = errors(cuts, log_logistic(500e-6))
+        assert np.isnan([found["d50_error"], found["d50_noise"], found["d50_run"]]).all()
 
 
 def test_the_front_holds_what_nothing_beats() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, isfinite, nan, sqrt
-from statistics import fmean, stdev
+from statistics import fmean
 from typing import Any
 
 import numpy as np
@@ -116,7 +116,7 @@ def _root_mean_square(values: ArrayLike) -> float:
 def mean_noise(values: Sequence[float], fitted: Sequence[float], reference: float) -> float:
     """Standard deviation of the values' mean less a reference that has its own: from the values'
     scatter, or from the fit where there is one alone."""
-    of_one = stdev(values) if len(values) > 1 else fitted[0]
+    of_one = float(np.std(values, ddof=1)) if len(values) > 1 else fitted[0]
     return hypot(of_one / sqrt(len(values)), reference)
 
 
