@@ -206,7 +206,6 @@ void ElutriaCloud::sampleGas
 
 void ElutriaCloud::seedRandom(const parcelType& p)
 {
-    using elutria::dem::scrambled;
     const uint64_t seed = feed_ ? feed_->seed() : 0;
     rndGen() = Random
     (

@@ -216,7 +216,7 @@ void Feed::readSchedule(const word& phaseName)
         rate_ = maxParticles_/duration_;
     }
 
-    seed_ = elutria::dem::scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
+    seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
 
 
@@ -273,9 +273,8 @@ label Feed::seedEntry() const
 
 scalar Feed::random(const label i, const label k) const
 {
-    using elutria::dem::scrambled;
-    const uint64_t place = (uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1;
-    const uint64_t bits = scrambled(seed_ + scrambled(place));
+    const uint64_t bits =
+        scrambled(seed_ + scrambled((uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1));
 
     // 53 bits: the mantissa of a double
     return scalar(bits >> 11)*0x1.0p-53;

@@ -4,7 +4,6 @@
 #include "events.hpp"
 #include "laws.hpp"
 #include "meeting.hpp"
-#include "scrambled.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -51,10 +50,20 @@ inline double crossSectionFactor(const Traveller& a, const Traveller& b)
 }
 
 /// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
+/// One of few, hit several times a passage by those of many, takes a little less from them; if it
+/// reached further it would meet across the layers of a dense feed.
 inline double meetingReach(double radius, double number)
 {
-    constexpr double least = 8, most = 128;      // of the number: 2 to 16 radii
+    constexpr double least = 2, most = 128;      // of the number: 2 to 16 radii
     return radius*std::sqrt(2*std::clamp(number, least, most));
+}
+
+/// Another number for every number, with no pattern left (the mixing of MurmurHash3).
+inline std::uint64_t scrambled(std::uint64_t z)
+{
+    z = (z ^ (z >> 33))*0xff51afd7ed558ccdULL;
+    z = (z ^ (z >> 33))*0xc4ceb9fe1a85ec53ULL;
+    return z ^ (z >> 33);
 }
 
 /// Reproducible numbers in [0, 1) for a pair on certain legs of its paths. They depend on the piece
