@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools_support"))
 import malformed
 
 from elutria.bench.common import run_program
-from elutria.verification.scene import BOX, CONTROL, MODELS, add_feed, make_scene
+from elutria.verification.scene import BOX, CONTROL, MODELS, add_feed, change, make_scene
 
 SECONDS = 5
 # what stock OpenFOAM takes although the tools refuse it, and what a scene does not have
@@ -97,6 +97,21 @@ def check(scene: Path, place: Path, chosen: list[malformed.Input]) -> None:
 
 def test_some_malformed_cases(scene: Path, tmp_path: Path) -> None:
     check(scene, tmp_path, random.Random(5).sample(inputs(5), 12))
+
+
+@pytest.mark.parametrize(
+    ("entry", "value"),
+    [("constant/transportProperties:rho.air", -1.2), ("constant/transportProperties:nu", 0),
+     (f"{CONTROL}:deltaT", -1)],
+)  # fmt: skip
+def test_what_must_be_positive(scene: Path, tmp_path: Path, entry: str, value: float) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {entry: value})
+    code, said = start(case)
+    assert code == 2
+    assert entry.split(":")[1] in said
+    assert "allowed: > 0" in said
 
 
 @pytest.mark.slow

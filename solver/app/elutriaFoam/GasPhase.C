@@ -26,6 +26,19 @@ scalar rms(const volVectorField& field)
 }
 
 
+//- Exit with an error unless a property of the gas is above 0 everywhere
+void requirePositive(const volScalarField& property, const dictionary& dict)
+{
+    const scalar least = gMin(property.primitiveField());
+    if (!(least > 0))
+    {
+        FatalIOErrorInFunction(dict)
+            << property.name() << " is " << least << ", allowed: > 0"
+            << exit(FatalIOError);
+    }
+}
+
+
 //- Is there a patch that gas could pass?
 bool isOpen(const fvMesh& mesh)
 {
@@ -302,6 +315,8 @@ GasPhase::GasPhase
     boundaryChange_(0),
     extraSteps_(0)
 {
+    requirePositive(rho_, transport_);
+    requirePositive(transport_.nu()(), transport_);
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
     keepBoundaries();

@@ -204,6 +204,12 @@ void run(const argList& args)
 {
     WholeTime::discardHalf(args.path());
     #include "createTime.H"
+    if (!(runTime.deltaTValue() > 0))
+    {
+        FatalIOErrorInFunction(runTime.controlDict())
+            << "deltaT is " << runTime.deltaTValue() << ", allowed: > 0"
+            << exit(FatalIOError);
+    }
 
     // Divergence is found by GasPhase::unsound(), not by a trap
     sigFpe::unset(false);
