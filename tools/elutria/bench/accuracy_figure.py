@@ -97,7 +97,7 @@ def _label(axes: Axes, best: Sequence[Row], quantity: str) -> None:
         name = axes.annotate(
             "\n".join(lines),
             (row["seconds"], known_error(row, quantity)),
-            xytext=(0.47, place),
+            xytext=(0.42, place),
             textcoords="axes fraction",
             fontsize=5,
             ha="right",

@@ -239,7 +239,7 @@ def _target_lines(verdicts: Sequence[Row]) -> list[str]:
 
 def _default_lines(rows: Sequence[Row]) -> list[str]:
     """Whether the default settings are on the front of the runs, and what is before them."""
-    lines = []
+    lines, better = [], []
     for default in rows:
         if default["point"] != PLAN or not isfinite(default["seconds"]):
             continue
@@ -247,30 +247,48 @@ def _default_lines(rows: Sequence[Row]) -> list[str]:
         runs = [row for row in runs if row["kind"] not in ("closed form", "stock")]
         for quantity in QUANTITIES:
             before = [
-                _before(row, default, quantity)
+                row
                 for row in runs
                 if row["seconds"] < default["seconds"]
                 and known_error(row, quantity) <= known_error(default, quantity)
             ]
-            where = f"behind {', '.join(before)}" if before else "on the front"
+            said = ", ".join(_before(row, default, quantity) for row in before)
             lines.append(
                 f"- {default['scene']}, {quantity} "
-                f"({100 * known_error(default, quantity):.2g} %): {where}."
+                f"({100 * known_error(default, quantity):.2g} %): "
+                f"{f'behind {said}' if before else 'on the front'}."
             )
-    return ["The default settings, by what a single run is off by:", "", *lines, ""] * bool(lines)
+            better += [row["point"] for row in before if _is_better(row, default, quantity)]
+    if not lines:
+        return []
+    known = ", ".join(dict.fromkeys(better)) or "nothing"
+    return [
+        "The default settings, by what a single run is off by:",
+        "",
+        *lines,
+        "",
+        f"Cheaper than the default and more accurate by more than chance: {known}.",
+        "",
+    ]
 
 
 def _before(row: Row, default: Row, quantity: str) -> str:
     """What is cheaper than the default, by how much, and whether more than chance says so."""
-    saved, error = 1 - row["seconds"] / default["seconds"], known_error(row, quantity)
+    saved = 1 - row["seconds"] / default["seconds"]
     always = row["seconds_high"] < default["seconds_low"]
-    # a root-mean-square of n runs is known to 1/sqrt(2 n) of itself
-    chance = hypot(*(known_error(one, quantity) / sqrt(2 * one["runs"]) for one in (row, default)))
-    better = known_error(default, quantity) - error > 2 * chance
+    better = _is_better(row, default, quantity)
     return (
         f"{row['point']} ({100 * saved:.0f} % cheaper{', in every run' * always}, "
-        f"{100 * error:.2g} %, {'better' if better else 'as good within chance'})"
+        f"{100 * known_error(row, quantity):.2g} %, "
+        f"{'better' if better else 'as good within chance'})"
     )
+
+
+def _is_better(row: Row, default: Row, quantity: str) -> bool:
+    """Whether more than chance says that a point is the more accurate one."""
+    # a root-mean-square of n runs is known to 1/sqrt(2 n) of itself
+    chance = hypot(*(known_error(one, quantity) / sqrt(2 * one["runs"]) for one in (row, default)))
+    return known_error(default, quantity) - known_error(row, quantity) > 2 * chance
 
 
 def _yes(flag: bool) -> str:
