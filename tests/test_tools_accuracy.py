@@ -178,3 +178,18 @@ def test_closed_forms_cost_nothing_and_agree_on_the_cut() -> None:
     assert drift.cut.d50 == pytest.approx(plug.cut.d50, rel=0.02)
     assert drift.cut.sharpness < 1
     assert plug.seconds + drift.seconds < 1
+
+
+def test_the_default_is_on_the_front_unless_one_cheaper_is_as_good_in_both() -> None:
+    runs = {"runs": 4, "seconds_low": 0.0, "seconds_high": 1e9}
+    default = row(report.PLAN, 10, 0.01) | runs
+    sharp = row("sharp", 5, 0.02) | runs | {"curve_run": 0.001}
+    both = row("both", 5, 0.009) | runs
+    page = "\n".join(report.default_lines([default, sharp]))
+    assert "a, d50 (1 %): on the front." in page
+    assert "a, curve (1 %): behind sharp (50 % cheaper, 0.1 %, better)." in page
+    assert "both errors together: on it." in page
+    assert "more than chance: sharp." in page
+    page = "\n".join(report.default_lines([default, sharp, both]))
+    assert "d50 (1 %): behind both (50 % cheaper, 0.9 %, as good within chance)." in page
+    assert "both errors together: behind both." in page

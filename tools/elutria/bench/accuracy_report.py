@@ -153,7 +153,7 @@ def text(
         *_refined_lines(refined),
         *_meshes(rows, table),
         *_target_lines(target(rows)),
-        *_default_lines(rows),
+        *default_lines(rows),
         *_tables(rows),
         *uncertainty.page(moved),
     ]  # fmt: skip
@@ -237,28 +237,29 @@ def _target_lines(verdicts: Sequence[Row]) -> list[str]:
     ]
 
 
-def _default_lines(rows: Sequence[Row]) -> list[str]:
+def default_lines(rows: Sequence[Row]) -> list[str]:
     """Whether the default settings are on the front of the runs, and what is before them."""
     lines, better = [], []
     for default in rows:
         if default["point"] != PLAN or not isfinite(default["seconds"]):
             continue
-        runs = [row for row in rows if row["scene"] == default["scene"]]
-        runs = [row for row in runs if row["kind"] not in ("closed form", "stock")]
-        for quantity in QUANTITIES:
-            before = [
-                row
-                for row in runs
-                if row["seconds"] < default["seconds"]
-                and known_error(row, quantity) <= known_error(default, quantity)
-            ]
-            said = ", ".join(_before(row, default, quantity) for row in before)
+        before = {
+            quantity: _cheaper_and_as_good(rows, default, quantity) for quantity in QUANTITIES
+        }
+        for quantity, found in before.items():
+            said = ", ".join(_before(row, default, quantity) for row in found)
             lines.append(
                 f"- {default['scene']}, {quantity} "
                 f"({100 * known_error(default, quantity):.2g} %): "
-                f"{f'behind {said}' if before else 'on the front'}."
+                f"{f'behind {said}' if found else 'on the front'}."
             )
-            better += [row["point"] for row in before if _is_better(row, default, quantity)]
+            better += [row["point"] for row in found if _is_better(row, default, quantity)]
+        names = [{row["point"] for row in found} for found in before.values()]
+        both = ", ".join(sorted(set.intersection(*names)))
+        lines.append(
+            f"- {default['scene']}, front of seconds and both errors together: "
+            f"{f'behind {both}' if both else 'on it'}."
+        )
     if not lines:
         return []
     known = ", ".join(dict.fromkeys(better)) or "nothing"
@@ -269,6 +270,18 @@ def _default_lines(rows: Sequence[Row]) -> list[str]:
         "",
         f"Cheaper than the default and more accurate by more than chance: {known}.",
         "",
+    ]
+
+
+def _cheaper_and_as_good(rows: Sequence[Row], default: Row, quantity: str) -> list[Row]:
+    """Our runs of the same scene that beat the default in seconds and an error."""
+    return [
+        row
+        for row in rows
+        if row["scene"] == default["scene"]
+        and row["kind"] not in ("closed form", "stock")
+        and row["seconds"] < default["seconds"]
+        and known_error(row, quantity) <= known_error(default, quantity)
     ]
 
 
