@@ -21,6 +21,7 @@ from elutria.bench.accuracy_runs import (
     STEP,
     STOCK_LIKE,
 )
+from elutria.bench.accuracy_stock import LATER
 from elutria.bench.common import machine
 
 TEXTS = ("scene", "point", "kind", "extrapolated", "note")
@@ -42,7 +43,8 @@ HOW = (
     "the comparisons go by it. Sharpness is d25/d75; the curve's error is its root-mean-square",
     "difference from 0.7 to 1.4 d50. Stock DPMFoam is extrapolated from a stretch; its error is",
     "that of elutriaFoam with stock's models on the same particles. MPPICFoam is run to its end;",
-    "its random numbers have no seed, so each of its runs is fed 1.3 ms later than the last.",
+    "its random numbers have no seed, so each of its runs is fed",
+    f"{1e3 * LATER:g} ms later than the last.",
 )
 
 Row = dict[str, Any]
