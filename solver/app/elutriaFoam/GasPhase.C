@@ -10,6 +10,7 @@
 #include "extrapolatedCalculatedFvPatchFields.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "fixedValueFvPatchFields.H"
+#include "requirePositive.H"
 #include "wallPolyPatch.H"
 
 namespace Foam
@@ -23,19 +24,6 @@ scalar rms(const volVectorField& field)
 {
     const scalarField& V = field.mesh().V();
     return std::sqrt(gSum(magSqr(field.primitiveField())*V)/gSum(V));
-}
-
-
-//- Exit with an error unless a property of the gas is above 0 everywhere
-void requirePositive(const volScalarField& property, const dictionary& dict)
-{
-    const scalar least = gMin(property.primitiveField());
-    if (!(least > 0))
-    {
-        FatalIOErrorInFunction(dict)
-            << property.name() << " is " << least << ", allowed: > 0"
-            << exit(FatalIOError);
-    }
 }
 
 
@@ -315,8 +303,8 @@ GasPhase::GasPhase
     boundaryChange_(0),
     extraSteps_(0)
 {
-    requirePositive(rho_, transport_);
-    requirePositive(transport_.nu()(), transport_);
+    requirePositive(rho_.name(), gMin(rho_.primitiveField()), transport_);
+    requirePositive("nu", gMin(transport_.nu()().primitiveField()), transport_);
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
     keepBoundaries();

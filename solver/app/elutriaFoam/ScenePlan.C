@@ -8,6 +8,7 @@
 #include "ScenePlan.H"
 #include "globalMeshData.H"
 #include "IOField.H"
+#include "requirePositive.H"
 
 namespace Foam
 {
@@ -40,12 +41,7 @@ scalar readPositive
 )
 {
     const scalar value = dict.getOrDefault<scalar>(entry, fallback);
-    if (!(value > 0))
-    {
-        FatalIOErrorInFunction(dict)
-            << entry << " is " << value << ", allowed: > 0"
-            << exit(FatalIOError);
-    }
+    requirePositive(entry, value, dict);
     return value;
 }
 

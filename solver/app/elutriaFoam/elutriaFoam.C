@@ -20,6 +20,7 @@ Description
 #include "WholeTime.H"
 #include "ending.H"
 #include "foamVersion.H"
+#include "requirePositive.H"
 #include "sigFpe.H"
 
 using namespace Foam;
@@ -204,12 +205,7 @@ void run(const argList& args)
 {
     WholeTime::discardHalf(args.path());
     #include "createTime.H"
-    if (!(runTime.deltaTValue() > 0))
-    {
-        FatalIOErrorInFunction(runTime.controlDict())
-            << "deltaT is " << runTime.deltaTValue() << ", allowed: > 0"
-            << exit(FatalIOError);
-    }
+    requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
 
     // Divergence is found by GasPhase::unsound(), not by a trap
     sigFpe::unset(false);
