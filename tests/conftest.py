@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Malformed inputs by kind, command and outcome, where such tests ran."""
-    outcomes = getattr(sys.modules.get("malformed"), "outcomes", {})
+    outcomes = getattr(sys.modules.get("tests.support.malformed"), "outcomes", {})
     if outcomes:
         terminalreporter.section("malformed inputs: kind, command, outcome, number")
         for (kind, command, outcome), number in sorted(outcomes.items()):
@@ -56,7 +56,7 @@ def fake_solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     programs = tmp_path / "programs"
     programs.mkdir()
     # a shebang line cannot hold a path with spaces
-    command = shlex.join([sys.executable, str(HERE / "tools_support/fake_solver.py")])
+    command = shlex.join([sys.executable, str(HERE / "support/fake_solver.py")])
     solver = programs / "elutriaFoam"
     solver.write_text(f'#!/bin/sh\nexec {command} "$@"\n')
     mesher = programs / "blockMesh"

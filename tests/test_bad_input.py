@@ -1,6 +1,6 @@
 """Malformed dictionaries, feeds, meshes and results: one line, code 2, soon; nothing is executed.
 
-The inputs are made from a seed (tools_support/malformed.py). What came of them, by kind, is listed
+The inputs are made from a seed (support/malformed.py). What came of them, by kind, is listed
 at the end of the output.
 """
 
@@ -10,18 +10,15 @@ import random
 import re
 import shutil
 import signal
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / "tools_support"))
-import malformed
-from malformed import Input
-
 from elutria.bench.common import run_program
 from elutria.cli import main
+from tests.support import malformed
+from tests.support.malformed import Input
 
 SECONDS = 5
 SEED = 20_260

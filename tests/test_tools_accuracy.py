@@ -30,9 +30,9 @@ from elutria.bench.accuracy_runs import (
 )
 from elutria.bench.common import project_root, slug
 from elutria.bench.uncertainty import inlet
-from elutria.case import Case
-from elutria.dictionary import read_dictionary
-from elutria.events import Events
+from elutria.case.case import Case
+from elutria.classification.events import Events
+from elutria.openfoam.dictionary import read_dictionary
 
 SIZES = np.geomspace(200e-6, 1200e-6, 400)
 

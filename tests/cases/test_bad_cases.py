@@ -6,16 +6,13 @@ import random
 import resource
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools_support"))
-import malformed
-
 from elutria.bench.common import run_program
 from elutria.verification.scene import BOX, CONTROL, MODELS, add_feed, change, make_scene
+from tests.support import malformed
 
 SECONDS = 5
 # what stock OpenFOAM takes although the tools refuse it, and what a scene does not have

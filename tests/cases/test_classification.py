@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import erf
 
-from elutria.classify import fit_events
-from elutria.events import Events, read_run
+from elutria.classification.classify import fit_events
+from elutria.classification.events import Events, read_run
 from elutria.verification.scene import (
     BOX,
     CLOUD,

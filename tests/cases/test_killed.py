@@ -1,7 +1,8 @@
 """A run that is ended at any moment goes on with the same command to the same files.
 
 Killed solver, killed rank, full disk: the rows of all starts together are those of the run nobody
-touched, byte for byte; the ledger and what is inside too. (A killed sweep: test_tools_run.py.)
+touched, byte for byte; the ledger and what is inside too.
+(A killed sweep: tests/unit/running/test_run.py.)
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pathlib import Path
 import pytest
 
 from elutria.bench.common import run_program
-from elutria.events import COLUMNS
+from elutria.classification.events import COLUMNS
 from elutria.verification.scene import (
     BOX,
     CLOUD,

@@ -5,15 +5,11 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tools_support"))
-import meshes
 
 from elutria.bench.common import project_root, run_program
 from elutria.verification.budgets import LEDGER_ALLOWED, ledger_errors
@@ -30,6 +26,7 @@ from elutria.verification.scene import (
     run_scene,
     times,
 )
+from tests.support import meshes
 
 Note = Callable[[str, float, float], None]
 MODELS_OF_CONTACT = ["cellList", "none"]

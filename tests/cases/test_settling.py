@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from elutria.drag import LAWS, Gas, terminal_velocity
+from elutria.physics.drag import LAWS, Gas, terminal_velocity
 from elutria.verification.scene import (
     BOX,
     CONTROL,

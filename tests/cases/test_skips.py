@@ -11,10 +11,10 @@ import pytest
 
 from elutria.bench.common import project_root
 from elutria.bench.stability_scenes import bed, column, contacts
-from elutria.case import PARAMETERS, Case
-from elutria.events import Events, read_run
-from elutria.run import run_case
-from elutria.scene import block_mesh_box, expect
+from elutria.case.case import PARAMETERS, Case
+from elutria.classification.events import Events, read_run
+from elutria.estimates.scene import block_mesh_box, expect
+from elutria.running.run import run_case
 from elutria.verification.classification import GRAINS, loaded
 from elutria.verification.scene import CLOUD, read_gas, times
 

@@ -17,8 +17,8 @@ from elutria.errors import ElutriaError, InputError, one_line, suggestion
 from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
-    from elutria.classify import Classification, Row
-    from elutria.solver import Step
+    from elutria.classification.classify import Classification, Row
+    from elutria.running.solver import Step
 
 app = typer.Typer(
     name="elutria",
@@ -51,8 +51,8 @@ def options() -> None:
 @app.command(epilog="Example: elutria check cases/column")
 def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
-    from elutria.case import Case
-    from elutria.check import report
+    from elutria.case.case import Case
+    from elutria.estimates.check import report
 
     for table in report(Case(case)):
         console.print(table)
@@ -67,11 +67,11 @@ def run(
     np: ProcessorsOption = 1,
 ) -> None:
     """Copy, mesh, solve and classify a case."""
-    from elutria.case import Case
-    from elutria.progress import ProgressDisplay
-    from elutria.run import run_case
-    from elutria.sweep import parse_velocities
-    from elutria.worker import note
+    from elutria.case.case import Case
+    from elutria.running.progress import ProgressDisplay
+    from elutria.running.run import run_case
+    from elutria.running.sweep import parse_velocities
+    from elutria.running.worker import note
 
     source = Case(case)
     if velocity is not None:
@@ -107,9 +107,9 @@ def sweep(
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
 ) -> None:
     """Run a case at several gas velocities side by side. What is finished is never run again."""
-    from elutria.case import Case
-    from elutria.precision import Precision
-    from elutria.sweep import parse_velocities, plan, run_sweep
+    from elutria.case.case import Case
+    from elutria.classification.precision import Precision
+    from elutria.running.sweep import parse_velocities, plan, run_sweep
 
     source = Case(case)
     velocities = parse_velocities(velocity)
@@ -253,7 +253,7 @@ def vtk(
     to: Annotated[Path | None, typer.Option(help="Folder of the .vtu files.")] = None,
 ) -> None:
     """Write a run's gas and particles as .vtu and .pvd files that ParaView opens."""
-    from elutria.vtk import write_vtk
+    from elutria.output.vtk import write_vtk
 
     for path in write_vtk(case, to or case / "VTK"):
         console.print(str(path), highlight=False, soft_wrap=True)
@@ -266,11 +266,11 @@ def _refuse_overlap(case: Path, folder: Path) -> None:
 
 
 def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
-    from elutria.case import Case
-    from elutria.classify import classify as classify_run
-    from elutria.events import read_run
-    from elutria.run import FINISHED, wall_time
-    from elutria.theory import write_theory
+    from elutria.case.case import Case
+    from elutria.classification.classify import classify as classify_run
+    from elutria.classification.events import read_run
+    from elutria.estimates.theory import write_theory
+    from elutria.running.run import FINISHED, wall_time
 
     case = Case(folder)
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
@@ -284,7 +284,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
 
 
 def _show(tables: Classification) -> None:
-    from elutria.report import inside_notes, summary_table
+    from elutria.output.report import inside_notes, summary_table
 
     if tables.summary:
         console.print(summary_table(tables.summary))
@@ -293,7 +293,7 @@ def _show(tables: Classification) -> None:
 
 
 def _plot(folder: Path) -> None:
-    from elutria.plots import write_figures
+    from elutria.output.plots import write_figures
 
     for path in write_figures(folder):
         console.print(str(path), highlight=False, soft_wrap=True)
@@ -307,7 +307,7 @@ class _SweepDisplay:
     """Shows a sweep: a bar per running velocity and one for all of it."""
 
     def __init__(self, runs: int):
-        from elutria.progress import ProgressDisplay
+        from elutria.running.progress import ProgressDisplay
 
         self.display = ProgressDisplay(console, every=10.0)
         self.shares: dict[str, float] = {}

@@ -44,7 +44,7 @@ from elutria.bench.accuracy_stock import run_mppic, stock_like, stretches
 from elutria.bench.common import Options, slug, write_result
 from elutria.errors import ElutriaError
 from elutria.files import write_text
-from elutria.plots import STYLE
+from elutria.output.plots import STYLE
 
 NAME = "accuracy"
 HELP = "run time against error: closed forms, the plan and what it skips, stock; and what moves d50"

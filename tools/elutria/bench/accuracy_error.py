@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from elutria.classify import fit_events
-from elutria.events import Events
-from elutria.fit import PartitionFit
+from elutria.classification.classify import fit_events
+from elutria.classification.events import Events
+from elutria.classification.fit import PartitionFit
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from elutria.bench.accuracy_error import known_error
-from elutria.plots import COLUMN_WIDTH
+from elutria.output.plots import COLUMN_WIDTH
 
 KINDS = {
     "closed form": ("^", "#009E73"),

@@ -11,9 +11,9 @@ import numpy as np
 from elutria.bench.accuracy_error import Cut, cut_of_curve
 from elutria.bench.accuracy_runs import Scene
 from elutria.bench.common import project_root
-from elutria.case import Case
-from elutria.drag import plug_flow_cut_size, terminal_velocity
-from elutria.theory import drift_dispersion_fines_share
+from elutria.case.case import Case
+from elutria.estimates.theory import drift_dispersion_fines_share
+from elutria.physics.drag import plug_flow_cut_size, terminal_velocity
 
 HEIGHT, LENGTH = 0.25, 0.5
 """m: of the feed above the bottom, and of the shaft."""

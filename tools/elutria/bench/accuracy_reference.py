@@ -24,8 +24,8 @@ from elutria.bench.accuracy_runs import (
     step,
 )
 from elutria.bench.common import machine, project_root, slug
+from elutria.classification.events import join
 from elutria.errors import InputError
-from elutria.events import join
 from elutria.files import read_csv, write_csv
 
 COLUMNS = (

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from elutria.bench.common import processor_time, project_root
-from elutria.case import Case
-from elutria.events import Run, read_run
+from elutria.case.case import Case
+from elutria.classification.events import Run, read_run
 from elutria.files import read_json, write_json, write_text
-from elutria.run import is_finished, run_case
+from elutria.running.run import is_finished, run_case
 from elutria.verification.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
 
 FEED_TIME, DRAIN_TIME = 0.25, 4.0

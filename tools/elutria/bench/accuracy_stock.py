@@ -31,9 +31,9 @@ from elutria.bench.accuracy_runs import (
 )
 from elutria.bench.column import LAW, STOCK_CONTACTS, WALL, hand_to_stock, stock_step
 from elutria.bench.common import processor_time, run_program, slug
-from elutria.case import Case
+from elutria.case.case import Case
+from elutria.classification.events import Events, Run
 from elutria.errors import ElutriaError
-from elutria.events import Events, Run
 from elutria.files import read_json, read_text, write_json
 from elutria.verification.scene import CLOUD, CONTROL, MODELS, change
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from elutria.bench.common import Options, run_program, slug, write_result
 from elutria.files import write_csv
-from elutria.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
+from elutria.output.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
 from elutria.verification.goldschmidt import STEP, make_bed, read_history
 from elutria.verification.scene import (
     CONTROL,

@@ -21,8 +21,8 @@ from matplotlib.figure import Figure
 
 from elutria.errors import ElutriaError, InputError
 from elutria.files import write_csv, write_json
-from elutria.plots import save
-from elutria.started import started_in
+from elutria.openfoam.started import started_in
+from elutria.output.plots import save
 
 
 @dataclass(frozen=True)

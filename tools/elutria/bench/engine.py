@@ -32,7 +32,7 @@ from matplotlib.figure import Figure
 
 from elutria.bench.common import Options, built, run_program, write_result
 from elutria.errors import ElutriaError
-from elutria.plots import COLUMN_WIDTH, STYLE
+from elutria.output.plots import COLUMN_WIDTH, STYLE
 
 NAME = "engine"
 STAGES = ("falling", "settling", "settled")

@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from elutria.bench.common import Options, built, run_program, write_result
-from elutria.plots import COLUMN_WIDTH, STYLE
+from elutria.output.plots import COLUMN_WIDTH, STYLE
 
 NAME = "neighbours"
 HELP = "neighbour search: time per step against the number of particles"

@@ -24,12 +24,12 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from elutria.bench.common import Options, processor_time, project_root, write_result
 from elutria.bench.stability_scenes import bed, contacts
-from elutria.case import PARAMETERS, Case, Setting
-from elutria.classify import fit_events
-from elutria.events import COLUMNS as EVENT_COLUMNS
-from elutria.events import read_run
+from elutria.case.case import PARAMETERS, Case, Setting
+from elutria.classification.classify import fit_events
+from elutria.classification.events import COLUMNS as EVENT_COLUMNS
+from elutria.classification.events import read_run
 from elutria.files import read_csv
-from elutria.run import run_case
+from elutria.running.run import run_case
 from elutria.verification.scene import CLOUD, CONTACTS
 
 NAME = "skip"

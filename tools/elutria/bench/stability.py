@@ -25,7 +25,7 @@ from elutria.bench.stability_points import MAPS, Map
 from elutria.bench.stability_scenes import EndedEarly, Verdict
 from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
-from elutria.plots import COLUMN_WIDTH, STYLE
+from elutria.output.plots import COLUMN_WIDTH, STYLE
 
 NAME = "stability"
 HELP = "stability maps: extreme steps, stiffness, loading, sizes, gas that jumps"

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from elutria.bench.common import project_root, run_program
-from elutria.started import started_in
+from elutria.openfoam.started import started_in
 from elutria.verification.scene import (
     BOX,
     CLOUD,

@@ -22,7 +22,7 @@ from elutria.bench.accuracy_error import Cut, cut_of_events, mean_noise
 from elutria.bench.accuracy_runs import POINTS, SLOW, Changes, Point, drag, replicates
 from elutria.bench.common import slug
 from elutria.errors import ElutriaError
-from elutria.plots import COLUMN_WIDTH
+from elutria.output.plots import COLUMN_WIDTH
 from elutria.verification.scene import BOX, CONTACTS, MODELS
 
 SCENE = SLOW

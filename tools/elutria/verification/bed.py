@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
-from elutria.drag import Gas
-from elutria.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.physics.drag import Gas
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from elutria.bench.common import Options, machine
 from elutria.files import write_csv, write_json
-from elutria.plots import save
+from elutria.output.plots import save
 from elutria.verification.page import bind
 
 COLUMNS = (

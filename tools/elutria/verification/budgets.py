@@ -12,10 +12,10 @@ from matplotlib import rc_context
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options, project_root
-from elutria.case import PARAMETERS, Case
-from elutria.drag import Gas
-from elutria.plots import STYLE, new_figure
-from elutria.run import run_case
+from elutria.case.case import PARAMETERS, Case
+from elutria.output.plots import STYLE, new_figure
+from elutria.physics.drag import Gas
+from elutria.running.run import run_case
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,

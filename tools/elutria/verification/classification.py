@@ -12,10 +12,10 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options
-from elutria.classify import fit_events
-from elutria.drag import Gas, plug_flow_cut_size
-from elutria.events import Events, read_run
-from elutria.plots import STYLE, new_figure
+from elutria.classification.classify import fit_events
+from elutria.classification.events import Events, read_run
+from elutria.output.plots import STYLE, new_figure
+from elutria.physics.drag import Gas, plug_flow_cut_size
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.scene import (
     BOX,

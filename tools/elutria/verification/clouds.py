@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
-from elutria.drag import LAWS, Gas
-from elutria.plots import STYLE, new_figure
+from elutria.output.plots import STYLE, new_figure
+from elutria.physics.drag import LAWS, Gas
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,

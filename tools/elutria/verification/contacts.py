@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
-from elutria.plots import STYLE, new_figure
+from elutria.output.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.scene import (
     BOX,

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from elutria.bench.common import Options
-from elutria.drag import Gas, plug_flow_cut_size, terminal_velocity
-from elutria.events import Events, read_run
-from elutria.plots import STYLE, new_figure
-from elutria.theory import drift_dispersion_fines_share
+from elutria.classification.events import Events, read_run
+from elutria.estimates.theory import drift_dispersion_fines_share
+from elutria.output.plots import STYLE, new_figure
+from elutria.physics.drag import Gas, plug_flow_cut_size, terminal_velocity
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     BOX,

@@ -11,8 +11,8 @@ from matplotlib import rc_context
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options
-from elutria.drag import LAWS, SUSPENSION_LAWS, Gas
-from elutria.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.physics.drag import LAWS, SUSPENSION_LAWS, Gas
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.scene import (
     BOX,

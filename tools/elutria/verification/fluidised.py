@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from elutria.bench.common import Options
-from elutria.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
 from elutria.verification.bed import GAS, GIDASPOW, GRAVITY, ergun, minimum_velocity
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (

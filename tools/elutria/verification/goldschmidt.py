@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from elutria.bench.common import Options, run_program
 from elutria.errors import InputError
-from elutria.plots import STYLE, new_figure
+from elutria.output.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, write_chapter
 from elutria.verification.scene import (
     CONTROL,

@@ -13,7 +13,7 @@ from matplotlib import rc_context
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options
-from elutria.plots import STYLE, new_figure
+from elutria.output.plots import STYLE, new_figure
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.contacts import collide, linear
 from elutria.verification.scene import Particles

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from elutria.bench.common import project_root, run_program
 from elutria.errors import ElutriaError
-from elutria.started import started_in
+from elutria.openfoam.started import started_in
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from elutria.bench.common import Options
-from elutria.drag import LAWS, Gas, terminal_velocity
-from elutria.plots import STYLE, new_figure
+from elutria.output.plots import STYLE, new_figure
+from elutria.physics.drag import LAWS, Gas, terminal_velocity
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.scene import (
     BOX,

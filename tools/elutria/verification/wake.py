@@ -10,8 +10,8 @@ from matplotlib import rc_context
 from numpy.typing import NDArray
 
 from elutria.bench.common import Options
-from elutria.drag import Gas, terminal_velocity
-from elutria.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.physics.drag import Gas, terminal_velocity
 from elutria.verification.book import Chapter, Row, Section, write_chapter
 from elutria.verification.scene import (
     BOX,

@@ -1,0 +1,1 @@
+"""Tests of the product, the measurements and the set-up."""

@@ -1,0 +1,165 @@
+"""The feed: size distributions against an independent source, and all that can be wrong in it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fluids.particle_size_distribution import pdf_lognormal, pdf_Rosin_Rammler
+from scipy.integrate import quad
+
+from elutria.case.case import Case
+from elutria.case.feed import read_feed
+from elutria.errors import InputError
+from elutria.openfoam.dictionary import Dictionary
+from elutria.physics.sizes import SizeDistribution, read_size_distribution
+
+
+def sizes(**entries: object) -> SizeDistribution:
+    return read_size_distribution(Dictionary(entries, "feed"))
+
+
+ROSIN = {"type": "RosinRammler", "d63": 9e-4, "n": 3, "min": 3e-4, "max": 2e-3}
+LOG_NORMAL = {"type": "logNormal", "d50": 5e-4, "sigma": 1.5, "min": 1e-4, "max": 2e-3}
+
+
+def integral(density: Callable[[float], float], power: int, low: float, high: float) -> float:
+    return quad(lambda d: density(d) * d**power, low, high, epsabs=0, epsrel=1e-10)[0]
+
+
+@pytest.mark.parametrize("weighting", ["mass", "number"])
+@pytest.mark.parametrize(
+    "entries, density, low, high",
+    [
+        (ROSIN, lambda d: pdf_Rosin_Rammler(d, 9e-4**-3, 3), 3e-4, 2e-3),
+        (LOG_NORMAL, lambda d: pdf_lognormal(d, 5e-4, np.log(1.5)), 1e-4, 2e-3),
+    ],
+    ids=["RosinRammler", "logNormal"],
+)
+def test_both_weightings_agree_with_integrals_of_the_density(
+    entries: dict[str, object],
+    density: Callable[[float], float],
+    low: float,
+    high: float,
+    weighting: str,
+) -> None:
+    ours = sizes(**entries, weighting=weighting)
+    to_mass, to_number = (0, -3) if weighting == "mass" else (3, 0)
+    for d in (3.5e-4, 5e-4, 9e-4, 1.5e-3):
+        mass = integral(density, to_mass, low, d) / integral(density, to_mass, low, high)
+        number = integral(density, to_number, low, d) / integral(density, to_number, low, high)
+        assert ours.mass_share_below(d) == pytest.approx(mass, abs=2e-6)
+        assert ours.number_share_below(d) == pytest.approx(number, abs=2e-6)
+
+
+def test_quantiles_invert_the_cumulative_share() -> None:
+    ours = sizes(**ROSIN)
+    shares = np.array([0.01, 0.25, 0.5, 0.9])
+    assert ours.mass_share_below(ours.mass_quantile(shares)) == pytest.approx(shares)
+    assert ours.number_share_below(ours.number_quantile(shares)) == pytest.approx(shares)
+    assert ours.mass_quantile(0) == pytest.approx(3e-4)
+    assert ours.mass_quantile(1) == pytest.approx(2e-3)
+
+
+def test_a_sieve_analysis_is_linear_between_its_sieves() -> None:
+    ours = sizes(type="table", diameters=[1e-4, 2e-4, 4e-4], cumulative=[0, 0.3, 1])
+    assert ours.mass_share_below([1e-4, 1.5e-4, 2e-4, 3e-4, 5e-4]) == pytest.approx(
+        [0, 0.15, 0.3, 0.65, 1]
+    )
+
+
+def test_number_and_mass_of_a_uniform_distribution() -> None:
+    # uniform in number from 0 to 1 (about): mass below d is d^4
+    ours = sizes(type="uniform", min=1e-6, max=1e-3, weighting="number")
+    assert ours.number_share_below(5e-4) == pytest.approx(0.5, abs=1e-3)
+    assert ours.mass_share_below(5e-4) == pytest.approx(0.5**4, rel=1e-3)
+
+
+def test_one_size() -> None:
+    ours = sizes(type="fixedValue", value=5e-4)
+    assert ours.mass_share_below([4e-4, 5e-4]) == pytest.approx([0, 1])
+    assert ours.mean_volume_diameter() == 5e-4
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"type": "RosinRamler"},
+        {"d63": -9e-4},
+        {"d63": float("nan")},
+        {"n": 0},
+        {"min": 0},
+        {"max": 1e-4},
+        {"weighting": "volume"},
+        {"d63": None},
+        {"dd": 1},
+        {"min": 5, "max": 6},
+    ],
+)
+def test_bad_size_distributions_name_the_entry(change: dict[str, object]) -> None:
+    entries = {k: v for k, v in {**ROSIN, **change}.items() if v is not None}
+    with pytest.raises(InputError, match=r"^feed: \w+") as caught:
+        sizes(**entries)
+    assert "allowed" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"diameters": [2e-4, 1e-4], "cumulative": [0, 1]},
+        {"diameters": [1e-4, 2e-4], "cumulative": [0, 0.9]},
+        {"diameters": [1e-4, 2e-4, 3e-4], "cumulative": [0, 0.9, 0.8]},
+        {"diameters": [1e-4, 2e-4, 3e-4], "cumulative": [0, 1]},
+        {"diameters": [], "cumulative": []},
+        {"diameters": [-1e-4, 2e-4], "cumulative": [0, 1]},
+    ],
+)
+def test_bad_sieve_analyses_are_refused(table: dict[str, object]) -> None:
+    with pytest.raises(InputError, match="allowed"):
+        sizes(type="table", **table)
+
+
+def test_the_default_case_is_understood(column: Path) -> None:
+    feed = read_feed(column)
+    assert feed.outlets == {"fines": ["top"], "coarse": ["bottom"]}
+    assert feed.loading == pytest.approx(0.2)
+    (quartz,) = feed.materials
+    assert quartz.density == 2650
+    assert quartz.sizes.smallest == pytest.approx(300e-6)
+    assert quartz.sizes.largest == pytest.approx(2000e-6)
+    # 300-2000 um at 0.2 kg/kg and 6 m/s: some ten thousand particles a second
+    rate = 0.2 * 6 * 1.2 * 0.05**2 / feed.mean_particle_mass()
+    assert 5_000 < rate < 30_000
+
+
+CHANGES = [
+    ("density 2650", "density -2650", "materials/quartz/density"),
+    ("density 2650", "densty 2650", "did you mean 'density'"),
+    ("massFraction 1", "massFraction 0.9", "massFraction adds up to 0.9"),
+    ("(bottom)", "(botom)", "did you mean 'bottom'"),
+    ("(bottom)", "(top)", "not in fines too"),
+    ("feedSlot", "feedslot", "no patch 'feedslot'"),
+    ("min 300e-6", "min -300e-6", "sizeDistribution/min"),
+    ("type RosinRammler", "type RosinRamler", "did you mean 'RosinRammler'"),
+    ("loading $loading", "loading nan", "loading"),
+    ("loading $loading;", "", "either 'loading X;'"),
+    ("seed $seed", "seed 1.5", "whole number"),
+    ("quartz", "all", "cannot be a material"),
+    ("duration $feedTime", "duration 0", "duration"),
+]
+
+
+@pytest.mark.parametrize("old, new, expected", CHANGES)
+def test_each_mistake_in_the_feed_is_named(column: Path, old: str, new: str, expected: str) -> None:
+    path = column / "constant/feed"
+    text = " ".join(re.sub(r"//.*", "", path.read_text()).split()).replace(";", ";\n")
+    text = text.replace('simulationParameters"', 'simulationParameters"\n')
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match="constant/feed") as caught:
+        Case(column).feed()
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,313 @@
+"""Fits of partition curves: they find what made the events, and their intervals are honest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import log
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.special import expit
+
+from elutria.classification.curves import MODELS, Model
+from elutria.classification.fit import (
+    LEVELS,
+    CurveFit,
+    PartitionFit,
+    fit_partition,
+    relative_weights,
+)
+
+Array = NDArray[np.float64]
+CUT = 700e-6
+
+
+def draw(
+    model: Model, log_shape: float, bypass: float, number: int, seed: int
+) -> tuple[Array, NDArray[np.bool_]]:
+    random = np.random.default_rng(seed)
+    diameter = np.exp(random.normal(np.log(CUT), 0.4, number))
+    share = bypass + (1 - bypass) * model.share(diameter / CUT, log_shape)
+    return diameter, random.random(number) < share
+
+
+def true_size(model: Model, log_shape: float, bypass: float, level: float) -> float:
+    return CUT * float(np.exp(model.log_x_at((level - bypass) / (1 - bypass), log_shape)))
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_models_are_partition_curves(model: Model) -> None:
+    x = np.geomspace(0.05, 20, 400)
+    for log_shape in (-1.0, 0.5, 2.0, 5.0, 8.5):
+        share = model.share(x, log_shape)
+        assert np.all(np.diff(share) >= 0)
+        assert share[0] < 0.5 < share[-1]
+        assert model.share(np.array([1.0]), log_shape) == pytest.approx(0.5)
+        for level in (0.02, 0.25, 0.75, 0.98):
+            inverse = np.exp(model.log_x_at(level, log_shape))
+            assert model.share(np.array([inverse]), log_shape) == pytest.approx(level)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_derivatives_agree_with_differences(model: Model) -> None:
+    y, a, step = np.linspace(-1, 1, 21), 1.3, 1e-6
+    _, along, shape = model.logit(y, a)
+    by_y = (model.logit(y + step, a)[0] - model.logit(y - step, a)[0]) / (2 * step)
+    by_a = (model.logit(y, a + step)[0] - model.logit(y, a - step)[0]) / (2 * step)
+    assert along == pytest.approx(by_y, rel=1e-6)
+    assert shape == pytest.approx(by_a, rel=1e-6, abs=1e-6)
+
+
+def test_sharpness_of_the_models_as_published() -> None:
+    published = {
+        "log-logistic": lambda m: 3 ** (-2 / m),
+        "Rosin-Rammler": lambda m: (np.log(4 / 3) / np.log(4)) ** (1 / m),
+    }
+    for model in MODELS[:2]:
+        for m in (1.5, 4.0, 12.0):
+            ratio = np.exp(model.log_x_at(0.25, np.log(m)) - model.log_x_at(0.75, np.log(m)))
+            assert ratio == pytest.approx(published[model.name](m))
+
+
+@pytest.mark.parametrize("bypass", [0.0, 0.1])
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_what_made_the_events_is_found(model: Model, bypass: float) -> None:
+    diameter, coarse = draw(model, 2.0, bypass, 60_000, seed=1)
+    fit = fit_partition(diameter, coarse, intervals=False)
+    for level in LEVELS:
+        assert fit.sizes[level][0] == pytest.approx(true_size(model, 2.0, bypass, level), rel=0.015)
+    assert fit.best is not None
+    assert fit.best.bypass == pytest.approx(bypass, abs=0.015)
+    assert [f.aic for f in fit.ranked] == sorted(f.aic for f in fit.ranked)
+
+
+def log_likelihood(
+    fit: CurveFit, diameter: Array, coarse: NDArray[np.bool_], d_center: float, d_shape: float
+) -> float:
+    assert fit.model is not None
+    x = diameter / np.exp(fit.log_diameter + d_center)
+    share = fit.bypass + (1 - fit.bypass) * fit.model.share(x, fit.log_shape + d_shape)
+    return float(np.sum(np.log(np.where(coarse, share, 1 - share))))
+
+
+def test_the_fit_is_a_maximum() -> None:
+    diameter, coarse = draw(MODELS[0], 1.5, 0.05, 2_000, seed=2)
+    for fit in fit_partition(diameter, coarse, intervals=False).ranked:
+        best = log_likelihood(fit, diameter, coarse, 0, 0)
+        assert best == pytest.approx(fit.log_likelihood)
+        for step in ((0.005, 0), (-0.005, 0), (0, 0.03), (0, -0.03)):
+            assert log_likelihood(fit, diameter, coarse, *step) < best + 1e-9
+
+
+def coverage(model: Model, log_shape: float, bypass: float, number: int, sets: int) -> Array:
+    """Share of the given intervals that hold the true d25, d50 and d75, over many data sets."""
+    hits, given = np.zeros(3), np.zeros(3)
+    for seed in range(sets):
+        fit = fit_partition(*draw(model, log_shape, bypass, number, seed))
+        for k, level in enumerate(LEVELS):
+            _, low, high = fit.sizes[level]
+            hits[k] += low <= true_size(model, log_shape, bypass, level) <= high
+            given[k] += not np.isnan(low)
+    assert np.all(given > 0.7 * sets)  # few events do not always reach d25 above a bypass
+    return hits / given
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
+    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 120) - 0.95) < 0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [300, 3_000])
+@pytest.mark.parametrize("log_shape", [1.0, 2.5])
+@pytest.mark.parametrize("bypass", [0.0, 0.1])
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_intervals_cover_for_all_models(
+    model: Model, bypass: float, log_shape: float, number: int
+) -> None:
+    """Or oftener: that the curve is a formula's is not taken for granted."""
+    covered = coverage(model, log_shape, bypass, number, 200)
+    assert np.all(covered >= 0.90), covered
+
+
+def bent(y: Array) -> Array:
+    """Logit over ln d/d50 of a column's curve: twice as steep above the cut as at it and below."""
+    return np.asarray(55 * y + 55 * np.maximum(y - 0.015, 0))
+
+
+def draw_bent(number: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+    random = np.random.default_rng(seed)
+    y = random.normal(0, 0.2, number)
+    return CUT * np.exp(y), random.random(number) < expit(bent(y))
+
+
+@pytest.mark.parametrize("number", [1_000, 5_000, 20_000])
+def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int) -> None:
+    """With many events the likeliest formula's d50 is one of two that lie 0.4 % apart."""
+    sets = 25
+    fits = [fit_partition(*draw_bent(number, seed)) for seed in range(sets)]
+    at = CUT * np.exp(np.array([-0.03, -0.01, 0, 0.01, 0.03]))
+    truth = {0.25: -log(3) / 55, 0.5: 0.0, 0.75: (log(3) + 0.825) / 110}
+    for level, y in truth.items():
+        off = np.array([np.log(fit.sizes[level][0] / CUT) - y for fit in fits])
+        width = np.log([fit.sizes[level][2] / fit.sizes[level][1] for fit in fits]).mean()
+        assert abs(off.mean()) < 0.25 * width
+        assert np.mean([a <= CUT * np.exp(y) <= b for _, a, b in map(_at(level), fits)]) > 0.85
+    bands = [fit.band(at) for fit in fits]
+    held = [(low <= expit(bent(np.log(at / CUT)))) & (high >= expit(bent(np.log(at / CUT))))
+            for _, low, high in bands]  # fmt: skip
+    assert np.mean(held) > 0.88
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_band_of_a_bent_curve_is_narrow_in_its_tails(seed: int) -> None:
+    diameter, coarse = draw_bent(5_000, seed)
+    at = CUT * np.exp(np.array([-0.5, -0.3, -0.15, 0.1, 0.2, 0.3, 0.5]))
+    share, low, high = fit_partition(diameter, coarse, intervals=False).band(at)
+    assert share == pytest.approx([0, 0, 0, 1, 1, 1, 1], abs=1e-2)
+    assert (high - low).max() < 0.05
+
+
+def _at(level: float) -> Callable[[PartitionFit], tuple[float, float, float]]:
+    return lambda fit: fit.sizes[level]
+
+
+def test_few_events_keep_the_formula_and_many_do_not() -> None:
+    def moved(number: int) -> float:
+        fits = [fit_partition(*draw_bent(number, seed), intervals=False) for seed in range(12)]
+        formulas = [fit.best.diameter_at(0.5) if fit.best else np.nan for fit in fits]
+        return float(np.std(np.log([fit.d50 for fit in fits]) - np.log(formulas)))
+
+    assert moved(200) < 0.002 * 0.5
+    assert moved(20_000) > 0.001
+
+
+def test_a_formula_that_made_the_events_has_no_misfit() -> None:
+    fit = fit_partition(*draw(MODELS[0], 4.0, 0.0, 20_000, 1), intervals=False)
+    assert fit.best is not None
+    assert fit.d50 == pytest.approx(fit.best.diameter_at(0.5), rel=0.002)
+    at = np.geomspace(0.8, 1.25, 40) * CUT
+    assert fit.share(at) == pytest.approx(fit.best.share(at), abs=0.04)
+    assert np.all(np.diff(fit.share(at)) > 0)
+
+
+def test_bands_cover_the_curve_as_often_as_they_say() -> None:
+    sizes = np.array([450e-6, 600e-6, 700e-6, 850e-6, 1200e-6])
+    truth = 0.05 + 0.95 * MODELS[0].share(sizes / CUT, 1.8)
+    hits = np.zeros(sizes.size)
+    for seed in range(120):
+        fit = fit_partition(*draw(MODELS[0], 1.8, 0.05, 600, seed), intervals=False)
+        _, low, high = fit.band(sizes)
+        hits += (low <= truth) & (truth <= high)
+    assert np.all((hits / 120 >= 0.90) & (hits / 120 <= 0.99)), hits / 120
+
+
+def test_more_events_know_more() -> None:
+    def width(number: int) -> float:
+        fit = fit_partition(*draw(MODELS[0], 2.0, 0.0, number, seed=5))
+        _, low, high = fit.sizes[0.5]
+        return float(np.log(high / low))
+
+    assert width(400) / width(6_400) == pytest.approx(4, rel=0.4)
+
+
+@pytest.mark.parametrize("coarse", [True, False])
+def test_without_one_of_the_products_there_is_no_cut(coarse: bool) -> None:
+    diameter = np.geomspace(1e-4, 1e-3, 50)
+    fit = fit_partition(diameter, np.full(50, coarse))
+    assert fit.best is None
+    assert np.isnan([fit.d25, fit.d50, fit.d75, fit.sharpness, fit.ecart_probable]).all()
+    nothing = fit_partition(diameter[:0], np.zeros(0, dtype=bool))
+    assert np.isnan(nothing.d50)
+
+
+def test_a_perfect_cut_is_a_step_in_the_gap() -> None:
+    diameter = np.linspace(1e-4, 5e-4, 41)
+    fit = fit_partition(diameter, diameter > 3.05e-4)
+    middle, low, high = fit.sizes[0.5]
+    assert middle == pytest.approx(np.sqrt(3.0e-4 * 3.1e-4))
+    assert fit.sharpness == 1
+    # a neighbour may have gone the wrong way by chance, the tenth has not
+    assert 2.0e-4 < low < 3.0e-4 < 3.1e-4 < high < 4.1e-4
+    at = np.geomspace(1e-4, 5e-4, 60)
+    share, below, above = fit.band(at)
+    assert share.tolist() == (at > middle).tolist()
+    assert np.all((below <= share) & (share <= above))
+    assert np.all(np.diff(below) >= 0) and np.all(np.diff(above) >= 0)
+    assert above[0] == 0 and below[-1] == 1
+
+
+@pytest.mark.parametrize(
+    ("number", "cut"),
+    [(40, 150.0), (300, 400.0), pytest.param(300, 150.0, marks=pytest.mark.slow)],
+)
+def test_intervals_of_cuts_that_look_perfect_cover_the_truth(number: int, cut: float) -> None:
+    """Where chance parts the products completely, the curve need not be a step."""
+    hits = steps = 0
+    for seed in range(80):
+        fit = fit_partition(*draw(MODELS[0], float(np.log(cut)), 0.0, number, seed))
+        steps += fit.sharpness == 1
+        _, low, high = fit.sizes[0.5]
+        hits += low <= CUT <= high
+    assert steps > 5
+    assert 0.90 <= hits / 80 <= 0.995
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_few_or_strange_events_do_not_crash(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    number = int(random.integers(2, 12))
+    diameter = random.choice([2e-4, 5e-4, 9e-4], number) * random.choice([1, 1.0001])
+    fit = fit_partition(diameter, random.random(number) < 0.5)
+    assert isinstance(fit, PartitionFit)
+    assert isinstance(fit.sharpness, float)
+
+
+def test_a_cut_outside_the_sizes_is_not_invented() -> None:
+    diameter, coarse = draw(MODELS[0], 2.0, 0.0, 4_000, seed=3)
+    large = diameter > 1.05 * CUT
+    fit = fit_partition(diameter[large], coarse[large])
+    assert np.isnan(fit.d50)
+    assert np.isfinite(fit.d75)
+    assert fit.best is not None
+    assert fit.best.bypass == 0  # no sizes that could tell
+
+
+def test_the_unit_of_weights_does_not_matter() -> None:
+    diameter, coarse = draw(MODELS[0], 2.0, 0.0, 2_000, seed=4)
+    plain = fit_partition(diameter, coarse)
+    scaled = fit_partition(diameter, coarse, np.full(2_000, 37.0))
+    assert scaled.sizes == plain.sizes
+
+
+def test_stratified_events_give_the_same_curve() -> None:
+    """Coarse sizes drawn ten times as often, with a tenth of the weight: same truth, good cover."""
+    hits = 0
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        diameter = np.exp(random.normal(np.log(CUT), 0.4, 3_000))
+        keep = random.random(3_000) < np.where(diameter > CUT, 1.0, 0.1)
+        diameter = diameter[keep]
+        coarse = random.random(diameter.size) < MODELS[0].share(diameter / CUT, 2.0)
+        fit = fit_partition(diameter, coarse, np.where(diameter > CUT, 1.0, 10.0))
+        _, low, high = fit.sizes[0.5]
+        hits += low <= CUT <= high
+    assert hits >= 35
+
+
+def test_unequal_weights_at_one_size_lower_the_effective_number() -> None:
+    random = np.random.default_rng(1)
+    diameter = np.exp(random.normal(np.log(CUT), 0.3, 5_000))
+    weight = random.exponential(1.0, 5_000)  # Kish: effective number is half
+    assert relative_weights(diameter, weight).sum() == pytest.approx(2_500, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_band_of_a_sharp_cut_is_narrow_away_from_it(seed: int) -> None:
+    """A bypass that ends at 0 tells nothing about itself: that must not widen the band."""
+    random = np.random.default_rng(seed)
+    diameter = np.geomspace(0.4 * CUT, 3 * CUT, 5_000)
+    coarse = random.random(5_000) < MODELS[0].share(diameter / CUT, 4.3)
+    share, low, high = fit_partition(diameter, coarse).band(np.array([0.6, 0.8, 1.25, 2]) * CUT)
+    assert share == pytest.approx([0, 0, 1, 1], abs=1e-3)
+    assert (high - low).max() < 0.05

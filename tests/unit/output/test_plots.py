@@ -1,0 +1,139 @@
+"""Figures for a paper's column: drawn from the csv files alone, readable, with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+from elutria.classification.classify import CURVE_COLUMNS, Classification, classify
+from elutria.classification.curves import MODELS
+from elutria.classification.events import Account, Events, Run
+from elutria.estimates.theory import COLUMNS
+from elutria.files import read_csv, write_csv
+from elutria.output import plots
+from elutria.output.report import inside_notes
+
+MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
+
+
+def synthetic(velocity: float, materials: list[str], number: int = 2_000) -> Run:
+    random = np.random.default_rng(int(velocity * 10))
+    name = random.choice(materials, number)
+    diameter = random.lognormal(np.log(600e-6), 0.45, number)
+    cut = np.array([MATERIALS[m][1] for m in name]) * velocity
+    coarse = random.random(number) < MODELS[0].share(diameter / cut, 2.0)
+    events = Events(
+        material=name,
+        outlet=np.where(coarse, "coarse", "fines"),
+        diameter=diameter,
+        density=np.array([MATERIALS[m][0] for m in name]),
+        number=np.ones(number),
+        time=np.zeros(number),
+    )
+    fed = (float(number), float(events.mass.sum()))
+    none = (0.0, 0.0)
+    account = Account(fed, {"fines": none, "coarse": fed}, none, none)
+    return Run(events, {**dict.fromkeys(materials, account), "all": account})
+
+
+def results(folder: Path, velocities: list[float], materials: list[str]) -> Path:
+    tables = Classification()
+    for velocity in velocities:
+        tables.extend(classify(synthetic(velocity, materials), velocity, 1.0))
+    tables.write(folder)
+    rows = [
+        {"gas_velocity_m_s": u, "material": m, "law": "Clift", "cut_size_m": u * MATERIALS[m][1]}
+        for m in materials
+        for u in (2.0, 5.0, 9.0)
+    ]
+    write_csv(folder / "theory.csv", COLUMNS, rows)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "velocities, materials",
+    [([4.0, 5.0, 6.5, 8.0], ["quartz"]), ([5.0], ["quartz"]), ([4.0, 6.0], list(MATERIALS))],
+    ids=["sweep", "one velocity", "two materials"],
+)
+def test_figures_come_from_the_tables(
+    tmp_path: Path, velocities: list[float], materials: list[str]
+) -> None:
+    paths = plots.write_figures(results(tmp_path, velocities, materials))
+    assert [path.name for path in paths] == [
+        "partition_curves.png", "cut_size.png", "size_distributions.png",
+    ]  # fmt: skip
+    for path in paths:
+        height, width = imread(path).shape[:2]
+        assert width == pytest.approx(85 / 25.4 * 300, abs=2)
+        assert 0.5 < height / width < 2.2
+
+
+@pytest.fixture
+def drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
+    """The figures of a sweep with two materials, by name."""
+    kept: dict[str, Figure] = {}
+    save: Callable[[Figure, Path], Path] = plots.save
+
+    def keep(figure: Figure, path: Path) -> Path:
+        kept[path.name] = figure
+        return save(figure, path)
+
+    monkeypatch.setattr(plots, "save", keep)
+    plots.write_figures(results(tmp_path, [4.0, 5.0, 6.0], list(MATERIALS)))
+    return kept
+
+
+def test_all_letters_can_be_read(drawn: dict[str, Figure]) -> None:
+    for figure in drawn.values():
+        texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text()]
+        assert min(text.get_fontsize() for text in texts) >= 7
+
+
+def test_axes_have_units(drawn: dict[str, Figure]) -> None:
+    for name in ("partition_curves.png", "size_distributions.png"):
+        axes = drawn[name].axes
+        assert "µm" in axes[-1].get_xlabel()
+        assert all(a.get_xscale() == "log" and a.get_ylabel() for a in axes)
+    (axes,) = drawn["cut_size.png"].axes
+    assert "m/s" in axes.get_xlabel()
+    assert "µm" in axes.get_ylabel()
+
+
+def test_velocities_are_told_apart_without_colour() -> None:
+    colours = plots.velocity_colours([3.0, 4, 5, 6, 7, 8, 9, 10])
+    brightness = [np.dot(colour[:3], (0.299, 0.587, 0.114)) for colour in colours.values()]
+    assert np.all(np.diff(brightness) > 0.04)
+    assert mpl.colors.to_rgb(plots.MATERIAL_COLOURS[0]) != mpl.colors.to_rgb(
+        plots.MATERIAL_COLOURS[1]
+    )
+
+
+def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
+    folder = results(tmp_path, [5.0], ["quartz"])
+    rows = [r for r in read_csv(folder / "curve.csv", CURVE_COLUMNS) if r["material"] == "all"]
+    summary = read_csv(folder / "summary.csv", ["d50_m"])[0]
+    size, share, low, high = (np.array([row[name] for row in rows]) for name in CURVE_COLUMNS[2:])
+    assert np.interp(summary["d50_m"], size, share) == pytest.approx(0.5, abs=2e-3)
+    assert np.all((low <= share) & (share <= high))
+    assert np.all(np.diff(share) >= 0)
+
+
+def test_what_did_not_leave_is_said() -> None:
+    run = synthetic(5.0, ["quartz"])
+    tables = classify(run, 5.0, 1.0)
+    assert inside_notes(tables.partition) == []
+    hovering = (run.events.diameter > 480e-6) & (run.events.diameter < 520e-6)
+    run.events.outlet[hovering] = "inside"
+    (line,) = inside_notes(classify(run, 5.0, 1.0).partition)
+    assert "5 m/s" in line
+    assert "still inside" in line
+    assert "um" in line
+    # half of ln(520/480)
+    assert float(line.split("move by ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)

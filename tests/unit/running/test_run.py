@@ -1,0 +1,337 @@
+"""Runs and sweeps with a stand-in for the solver: nothing twice, nothing half, others go on."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from elutria.case.case import Case
+from elutria.classification.classify import SUMMARY_COLUMNS
+from elutria.classification.precision import Precision
+from elutria.errors import ElutriaError, InputError
+from elutria.files import read_csv
+from elutria.running.run import Goal, is_finished, run_case
+from elutria.running.solver import Step, follow
+from elutria.running.sweep import SweepResult, parse_velocities, plan, run_sweep
+
+SMALL = ["system/simulationParameters:particles=400"]
+
+
+def started(starts: Path) -> list[str]:
+    return starts.read_text().splitlines() if starts.exists() else []
+
+
+class Silent:
+    """A sweep's watcher that tells nothing."""
+
+    def progress(self, name: str, share: float, note: str) -> None:
+        pass
+
+    def finished(self, name: str, line: str) -> None:
+        pass
+
+    def planned(self, runs: int) -> None:
+        pass
+
+
+def sweep(
+    case: Path,
+    to: Path,
+    velocities: str,
+    replicates: int = 1,
+    extra: list[str] = SMALL,
+    precision: Precision | None = None,
+) -> SweepResult:
+    source = Case(case)
+    members = plan(source, to, parse_velocities(velocities), replicates, extra)
+    return run_sweep(source, to, members, jobs=2, np=1, watcher=Silent(), precision=precision)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_run_is_a_copy_with_its_settings(column: Path, tmp_path: Path) -> None:
+    before = (column / "system/simulationParameters").read_text()
+    case = Case(column)
+    to = tmp_path / "runs/one"
+    seen: list[float] = []
+    copy = run_case(
+        case, to, case.settings_for(5.5, SMALL), on_step=lambda share, _: seen.append(share)
+    )
+    assert copy.velocity() == 5.5
+    assert (column / "system/simulationParameters").read_text() == before
+    assert not (column / "postProcessing").exists()
+    assert (to / "0/U.air").is_file()
+    assert seen == sorted(seen)
+    assert seen[-1] == pytest.approx(1)
+    assert "// m/s" in (to / "system/simulationParameters").read_text()
+
+
+def test_what_is_finished_is_not_run_again(column: Path, fake_solver: Path, tmp_path: Path) -> None:
+    case, to = Case(column), tmp_path / "one"
+    for _ in range(3):
+        run_case(case, to, case.settings_for(5, SMALL))
+    assert len(started(fake_solver)) == 1
+    # another seed, or a changed case, is another run
+    run_case(case, to, case.settings_for(5, [*SMALL, "system/simulationParameters:seed=2"]))
+    feed = column / "constant/feed"
+    feed.write_text(feed.read_text().replace("2650", "2700"))
+    run_case(case, to, case.settings_for(5, SMALL))
+    assert len(started(fake_solver)) == 3
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_folder_of_someone_else_is_left_alone(column: Path, tmp_path: Path) -> None:
+    to = tmp_path / "precious"
+    to.mkdir()
+    (to / "thesis.tex").write_text("years of work")
+    case = Case(column)
+    with pytest.raises(InputError, match="not a run of elutria"):
+        run_case(case, to, case.settings_for(5, SMALL))
+    assert (to / "thesis.tex").read_text() == "years of work"
+
+
+@pytest.mark.parametrize("name", ["with space", "quo'te", 'dou"ble', "$(touch x)", "a;b", "-n"])
+@pytest.mark.usefixtures("fake_solver")
+def test_odd_names_of_folders(column: Path, tmp_path: Path, name: str) -> None:
+    case = Case(column)
+    run_case(case, tmp_path / name, case.settings_for(5, SMALL))
+    assert (tmp_path / name / "finished.json").is_file()
+    assert not list(tmp_path.rglob("x"))
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_solver_that_fails_gives_its_reason(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, to = Case(column), tmp_path / "one"
+    monkeypatch.setenv("FAKE_FAIL_AT", "5")
+    with pytest.raises(ElutriaError, match=r"time 0\.5, cell 12: velocity is not finite"):
+        run_case(case, to, case.settings_for(5, SMALL))
+    assert not (to / "finished.json").exists()
+    monkeypatch.delenv("FAKE_FAIL_AT")
+    monkeypatch.setenv("FAKE_CUT_AT", "5")  # ends with exit code 0, but without its last word
+    with pytest.raises(ElutriaError, match="elutriaFoam failed"):
+        run_case(case, to, case.settings_for(5, SMALL))
+    monkeypatch.delenv("FAKE_CUT_AT")
+    run_case(case, to, case.settings_for(5, SMALL))
+
+
+def test_without_a_solver_nothing_is_begun(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    case = Case(column)
+    with pytest.raises(InputError, match=r"elutriaFoam: not found on PATH.*etc/bashrc"):
+        run_case(case, tmp_path / "one", case.settings_for(5, []))
+    assert not (tmp_path / "one").exists()
+
+
+def test_two_in_one_folder_do_not_mix(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SLEEP", "3")
+    to = tmp_path / "one"
+    command = [sys.executable, "-m", "elutria.running.worker", str(column), str(to), "1", *SMALL]
+    first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    wait_for(lambda: len(started(fake_solver)) == 1)
+    case = Case(column)
+    with pytest.raises(ElutriaError, match="another elutria is running"):
+        run_case(case, to, case.settings_for(None, SMALL))
+    first.terminate()
+    first.wait()
+
+
+def wait_for(condition: object, seconds: float = 120) -> None:
+    end = time.monotonic() + seconds
+    while not condition():  # type: ignore[operator]
+        assert time.monotonic() < end, "waited too long"
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        ("3:10:8", [3, 4, 5, 6, 7, 8, 9, 10]),
+        ("5", [5]),
+        ("6,4.5,6", [4.5, 6]),
+        ("1:1:1", [1]),
+        ("0.1:0.3:3", [0.1, 0.2, 0.3]),
+    ],
+)
+def test_velocities(text: str, expected: list[float]) -> None:
+    assert parse_velocities(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text", ["0", "nan", "-3", "inf", "", "a", "3:10", "3:10:0", "3:10:2.5", "3,,4", "1e9", "3;4"]
+)
+def test_bad_velocities(text: str) -> None:
+    with pytest.raises(InputError, match=r"--velocity .*allowed: A:B:N"):
+        parse_velocities(text)
+
+
+def test_a_sweep_makes_the_tables(column: Path, fake_solver: Path, tmp_path: Path) -> None:
+    to = tmp_path / "results"
+    result = sweep(column, to, "4:5:2")
+    assert not result.failures
+    rows = read_csv(to / "summary.csv", SUMMARY_COLUMNS)
+    assert [(r["gas_velocity_m_s"], r["material"]) for r in rows] == [
+        (u, m) for u in (4, 5) for m in ("quartz", "all")
+    ]
+    for row in rows:
+        assert row["d50_m"] == pytest.approx(row["gas_velocity_m_s"] * 1e-4, rel=0.15)
+        assert row["d50_low_m"] < row["d50_m"] < row["d50_high_m"]
+        assert row["particles_fed"] == 400
+        assert row["particles_lost"] == 0
+    assert sweep(column, to, "4:5:2").skipped == 2
+    assert len(started(fake_solver)) == 2
+    # one velocity more: only that one is run
+    sweep(column, to, "4:6:3")
+    assert len(started(fake_solver)) == 3
+
+
+def test_replicates_have_their_own_seeds(column: Path, fake_solver: Path, tmp_path: Path) -> None:
+    result = sweep(column, tmp_path / "results", "5", replicates=3)
+    assert sorted(started(fake_solver)) == ["5 1", "5 2", "5 3"]
+    assert result.tables.summary[0]["particles_fed"] == 1200
+
+
+def test_a_velocity_that_fails_leaves_the_others(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    to = tmp_path / "results"
+    monkeypatch.setenv("FAKE_FAIL_AT", "5")
+    result = sweep(column, to, "4:5:2")
+    assert list(result.failures) == ["5 m/s"]
+    assert "cell 12" in result.failures["5 m/s"]
+    rows = read_csv(to / "summary.csv", SUMMARY_COLUMNS)
+    assert {row["gas_velocity_m_s"] for row in rows} == {4}
+    assert json.loads((to / "sweep.json").read_text())["failed"]
+    monkeypatch.delenv("FAKE_FAIL_AT")
+    assert not sweep(column, to, "4:5:2").failures
+    assert sorted(started(fake_solver)) == ["4 1", "5 1", "5 1"]
+
+
+def without_times(path: Path) -> list[str]:
+    return [line.rsplit(",", 1)[0] for line in path.read_text().splitlines()]
+
+
+@pytest.mark.parametrize(
+    "moment", [0.7, *(pytest.param(0.08 * k, marks=pytest.mark.slow) for k in range(1, 20))]
+)
+def test_a_killed_sweep_goes_on_and_ends_the_same(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: float
+) -> None:
+    whole, to = tmp_path / "whole", tmp_path / "killed"
+    sweep(column, whole, "4:6:3")
+    fake_solver.unlink()
+    monkeypatch.setenv("FAKE_SLEEP", "0.5")
+    command = [
+        sys.executable, "-m", "elutria", "sweep", str(column), "--velocity", "4:6:3",
+        "--to", str(to), "--set", SMALL[0],
+    ]  # fmt: skip
+    process = subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    wait_for(lambda: len(started(fake_solver)) >= 1)
+    time.sleep(moment)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    monkeypatch.setenv("FAKE_SLEEP", "0")
+    before = [velocity for velocity in (4, 5, 6) if (to / f"U{velocity}/finished.json").is_file()]
+    time.sleep(0.3)  # its workers end with it
+    assert not sweep(column, to, "4:6:3").failures
+    for name in ("partition.csv", "fit.csv"):
+        assert (to / name).read_bytes() == (whole / name).read_bytes()
+    assert without_times(to / "summary.csv") == without_times(whole / "summary.csv")
+    for velocity in before:
+        assert started(fake_solver).count(f"{velocity} 1") == 1
+
+
+def test_no_table_is_left_half_written(tmp_path: Path) -> None:
+    from elutria.files import write_csv
+
+    path = tmp_path / "table.csv"
+    write_csv(path, ["a"], [{"a": 1.0}])
+
+    def rows() -> object:
+        yield {"a": 2.0}
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(ElutriaError, match="No space left on device") as caught:
+        write_csv(path, ["a"], rows())
+    assert caught.value.exit_code == 1
+    assert path.read_text() == "a\n1\n"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_marker_of_other_inputs_does_not_count(tmp_path: Path) -> None:
+    (tmp_path / "finished.json").write_text('{"inputs": "a", "wall_time_s": 1}')
+    assert is_finished(tmp_path, "a")
+    assert not is_finished(tmp_path, "b")
+    (tmp_path / "finished.json").write_text('{"inputs": "a", "wall')
+    assert not is_finished(tmp_path, "a")
+
+
+def test_progress_goes_to_one() -> None:
+    goal = Goal(particles=100, latest=20)
+    assert goal.share(Step(0.1, 0, 0, 0, 0, 0)) == pytest.approx(0.005)
+    assert goal.share(Step(0.5, 100, 40, 60, 0, 0)) == 1
+    assert Goal(None, 2.0).share(Step(1.0, 5, 1, 1, 3, 0)) == 0.5
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 300 kB, where the machine lets us mount one."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(place)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("may not mount a file system")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_full_disk_is_code_1_and_leaves_nothing_that_looks_whole(
+    column: Path, fake_solver: Path, small_disk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SLEEP", "0.1")
+    case = Case(column)
+    settings = case.settings_for(5, ["system/simulationParameters:particles=20000"])
+    with pytest.raises(ElutriaError) as caught:
+        run_case(case, small_disk / "run", settings)
+    assert caught.value.exit_code == 1
+    assert "\n" not in str(caught.value)
+    assert len(started(fake_solver)) == 1
+    assert not (small_disk / "run/finished.json").exists()
+    # room again: the same command goes through
+    smaller = case.settings_for(5, ["system/simulationParameters:particles=200"])
+    run_case(case, small_disk / "run", smaller)
+
+
+def test_every_line_reaches_the_log(tmp_path: Path) -> None:
+    """Also of a program that ends at once: none is taken by another reader."""
+    (tmp_path / "system").mkdir()
+    (tmp_path / "system/controlDict").write_text("endTime 1;\n")
+    numbers = "fed 1 fines 0 coarse 0 inside 1 lost 0"
+    script = f"for i in range(3000): print('elutria: time', i, '{numbers}')"
+    for attempt in range(5):
+        seen: list[Step] = []
+        command = [sys.executable, "-c", f"{script}\nprint('elutria: finished')"]
+        outcome = follow(tmp_path, command, f"log.{attempt}", seen.append)
+        assert outcome.whole
+        assert [step.time for step in seen] == list(range(3000))
+        assert (tmp_path / f"log.{attempt}").read_text().count("\n") == 3001
+
+
+def test_a_program_that_is_not_there_is_an_outcome(tmp_path: Path) -> None:
+    (tmp_path / "system").mkdir()
+    (tmp_path / "system/controlDict").write_text("endTime 1;\n")
+    assert not follow(tmp_path, ["no-such-program"], "log", lambda _: None).whole

@@ -1,0 +1,1 @@
+"""A case on disk: its feed, its settings, copies of it."""

@@ -1,0 +1,240 @@
+"""An Elutria case on disk: what it says, a copy of it with other settings, its fingerprint.
+
+Nothing in a case is executed here.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from elutria.case.feed import Feed, read_feed
+from elutria.errors import InputError, one_line, suggestion
+from elutria.files import writing_to
+from elutria.openfoam.dictionary import Dictionary, read_dictionary, read_list, set_entry
+from elutria.openfoam.mesh import check_mesh
+from elutria.physics.drag import SINGLE_PARTICLE_LIMIT, Gas
+
+PARAMETERS = "system/simulationParameters"
+VELOCITY = f"{PARAMETERS}:gasVelocity"
+SEED = f"{PARAMETERS}:seed"
+
+# what a run leaves behind, not part of the case
+_LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
+                "*.png", "*.csv", "*.vtu", "*.pvd", "elutria.json", "finished.json", "VTK",
+                "dynamicCode", "settledGas", ".git*")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Setting:
+    """`FILE:ENTRY=VALUE`: give an entry of a case's file another value."""
+
+    file: str
+    entry: str
+    value: str
+
+    @classmethod
+    def parse(cls, text: str) -> Setting:
+        """From the command line. Raises InputError when a part is missing."""
+        file, colon, rest = text.partition(":")
+        entry, equals, value = rest.partition("=")
+        if not (colon and equals and file.strip() and entry.strip() and value.strip()):
+            raise InputError(
+                f"--set '{one_line(text, 60)}'; allowed: FILE:ENTRY=VALUE, such as "
+                "constant/feed:materials/quartz/density=2700"
+            )
+        return cls(file.strip(), entry.strip(), value.strip())
+
+
+class Case:
+    """A case folder. Raises InputError when it is none."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        if not path.is_dir():
+            raise InputError(f"{path}: no such folder; allowed: an OpenFOAM case")
+        for needed in ("system/controlDict", PARAMETERS, "constant/feed"):
+            if not (path / needed).is_file():
+                raise InputError(f"{path / needed}: file not found; every Elutria case has it")
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.path.resolve().name
+
+    def dictionary(self, name: str, *, with_included: bool = False) -> Dictionary:
+        """A dictionary of the case, includes and macros resolved."""
+        return read_dictionary(self.path / name, self.path, with_included=with_included)
+
+    def feed(self) -> Feed:
+        """constant/feed, checked, its patches too where the mesh's patches are known."""
+        feed = read_feed(self.path)
+        source, patches = self.patches()
+        shown = self.dictionary("constant/feed").file
+        named = [(f"outlets/{k}", patch) for k, names in feed.outlets.items() for patch in names]
+        if feed.place_is_patch:
+            named.append(("patch", feed.place))
+        for entry, patch in named:
+            if patches and patch not in patches:
+                raise InputError(
+                    f"{shown}: {entry}: no patch '{patch}' in {source}"
+                    f"{suggestion(patch, patches)}; allowed: {', '.join(patches)}"
+                )
+        return feed
+
+    def velocity(self) -> float:
+        """Gas velocity (m/s) of system/simulationParameters: finite, above 0."""
+        parameters = self.dictionary(PARAMETERS, with_included=True)
+        return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
+
+    def gravity(self) -> float:
+        """Magnitude of constant/g, m/s2."""
+        entries = self.dictionary("constant/g")
+        size = math.hypot(*entries.numbers("value", 3))
+        if not 0 < size <= 1e4:
+            raise entries.refuse("value", "a vector of 0 to 1e4 m/s2")
+        return size
+
+    def gas(self) -> Gas:
+        """Density and viscosity of the gas, from constant/transportProperties."""
+        entries = self.dictionary("constant/transportProperties")
+        phase = next((entries.word(k) for k in ("continuousPhase", "continuousPhaseName")
+                      if k in entries), "air")  # fmt: skip
+        name = next((k for k in (f"rho.{phase}", "rho", "rhoInf") if k in entries), f"rho.{phase}")
+        density = entries.number(name, at_least=1e-3, at_most=1e4, unit="kg/m3")
+        model = entries.sub(phase) if "nu" not in entries and phase in entries else entries
+        return Gas(density, density * model.number("nu", at_least=1e-9, at_most=1, unit="m2/s"))
+
+    def drag_laws(self) -> list[str]:
+        """The drag forces of the cloud, as its dictionary names them."""
+        forces = self.cloud().sub("subModels").sub("particleForces")
+        return [name for name in forces.entries if "Drag" in name]
+
+    def theory_law(self) -> str:
+        """The single-particle limit of the case's drag law."""
+        known = [SINGLE_PARTICLE_LIMIT[d] for d in self.drag_laws() if d in SINGLE_PARTICLE_LIMIT]
+        return known[0] if known else "Schiller-Naumann"
+
+    def cloud(self) -> Dictionary:
+        """The cloud's properties."""
+        found = sorted((self.path / "constant").glob("*CloudProperties"))
+        if not found:
+            raise InputError(
+                f"{self.path / 'constant/kinematicCloudProperties'}: file not found; "
+                "every Elutria case has it"
+            )
+        return self.dictionary(f"constant/{found[0].name}")
+
+    def patches(self) -> tuple[str, list[str]]:
+        """The file that names the mesh's patches, and their names; none when not known yet."""
+        mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
+        if (self.path / mesh).is_file():
+            source, entries = mesh, read_list(self.path / mesh, self.path)
+        elif ((self.path / plan).exists() or (self.path / plan).is_symlink()) and not (
+            self.path / "Allrun.pre"
+        ).is_file():
+            source = plan
+            entries = self.dictionary(plan, with_included=True).raw("boundary", [])
+        else:
+            return "", []
+        return source, [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
+
+    def check_mesh(self) -> None:
+        """Raise InputError unless there is a plan of the mesh, or a mesh that is whole."""
+        if (self.path / "Allrun.pre").is_file():
+            return
+        plan, mesh = self.path / "system/blockMeshDict", self.path / "constant/polyMesh"
+        if plan.is_symlink() or plan.exists():
+            entries = self.dictionary("system/blockMeshDict", with_included=True)
+            for name in ("vertices", "blocks"):
+                if name not in entries:
+                    entries.raw(name, allowed="a list ( ... )")
+        elif mesh.is_dir():
+            check_mesh(mesh, f"{self.name}/constant/polyMesh")
+        else:
+            raise InputError(
+                f"{plan}: file not found; allowed: it, an Allrun.pre or a mesh in constant/polyMesh"
+            )
+
+    def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
+        """The settings of one run, checked to lie within the case."""
+        settings = [Setting.parse(text) for text in extra]
+        if velocity is not None:
+            settings.append(Setting.parse(f"{VELOCITY}={velocity:.12g}"))
+        root = self.path.resolve()
+        for setting in settings:
+            target = (self.path / setting.file).resolve()
+            if not target.is_relative_to(root) or not target.is_file():
+                files = [str(p.relative_to(self.path)) for p in _files(self.path)]
+                raise InputError(
+                    f"--set {setting.file}: no such file in {self.path}"
+                    f"{suggestion(setting.file, files)}"
+                )
+        return settings
+
+    def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
+        """Copy the case to a new `folder` with `settings` applied; results are left behind."""
+        keep_zero = not (self.path / "0.orig").is_dir()
+
+        def skip(where: str, names: list[str]) -> set[str]:
+            skipped = set(shutil.ignore_patterns(*_LEFT_BEHIND)(where, names))
+            if Path(where) == self.path:
+                skipped |= {n for n in names if _is_time(n) and not (keep_zero and n == "0")}
+            return skipped
+
+        with writing_to(folder):
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                shutil.copytree(self.path, folder, ignore=skip)
+                if not keep_zero:
+                    shutil.copytree(folder / "0.orig", folder / "0")
+            except shutil.Error as error:
+                raise InputError(
+                    f"{self.path}: cannot be copied: {one_line(error.args[0][0][2])}"
+                ) from error
+        copy = Case(folder)
+        for setting in settings:
+            set_entry(folder / setting.file, setting.entry, setting.value, folder)
+        return copy
+
+    def check_settings(self, settings: Iterable[Setting]) -> None:
+        """Raise InputError when the case, with `settings` applied, is not one that can be run."""
+        with tempfile.TemporaryDirectory() as folder:
+            copy = self.copy_to(Path(folder) / self.name, settings)
+            copy.check_mesh()
+            copy.velocity()
+            copy.feed()
+
+    def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
+        """Hash of all that decides a run: the case's files, the settings, the processors."""
+        digest = hashlib.sha256()
+        for path in _files(self.path):
+            digest.update(str(path.relative_to(self.path)).encode() + b"\0")
+            digest.update(path.read_bytes() + b"\0")
+        digest.update(repr([*settings, np]).encode())
+        return digest.hexdigest()
+
+
+def _is_time(name: str) -> bool:
+    try:
+        return math.isfinite(float(name))
+    except ValueError:
+        return False
+
+
+def _files(case: Path) -> Iterator[Path]:
+    """The input files of a case, in a fixed order; the mesh only when nothing makes it."""
+    folders = ["0.orig" if (case / "0.orig").is_dir() else "0", "constant", "system"]
+    made = (case / "system/blockMeshDict").is_file() or (case / "Allrun.pre").is_file()
+    paths: list[Any] = [case / "Allrun.pre"] if (case / "Allrun.pre").is_file() else []
+    for folder in folders:
+        paths += sorted((case / folder).rglob("*"))
+    for path in paths:
+        if path.is_file() and not (made and "polyMesh" in path.parts):
+            yield path

@@ -1,0 +1,201 @@
+"""constant/feed: what is fed, where, and through which patches it leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, inf, pi
+from pathlib import Path
+
+from elutria.errors import InputError
+from elutria.openfoam.dictionary import Dictionary, read_dictionary
+from elutria.physics.sizes import SizeDistribution, read_size_distribution
+
+ENTRIES = (
+    "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
+    "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity", "seed",
+    "materials",
+)  # fmt: skip
+LARGEST_DILUTE_LOADING = 1
+"""kg of solids per kg of gas, above which particles meet often enough that their number counts."""
+MOST_ADDED = 10
+"""Parcels that may be fed for each that is asked for."""
+LEAST_DENSITY = 10
+"""kg/m3: less is a foam, or a density in g/cm3."""
+MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
+
+
+@dataclass(frozen=True)
+class Material:
+    """One material of the feed: density kg/m3, sphericity 0..1, share of the feed's mass 0..1."""
+
+    name: str
+    density: float
+    sphericity: float
+    mass_fraction: float
+    sizes: SizeDistribution
+
+
+@dataclass(frozen=True)
+class Feed:
+    """The feed as the solver's injection will understand it. SI units.
+
+    `loading` is kg of solids per kg of gas, `mass_flow_rate` kg/s: one of them is None.
+    `outlets` gives each product's patches.
+    """
+
+    outlets: dict[str, list[str]]
+    place: str
+    place_is_patch: bool
+    loading: float | None
+    mass_flow_rate: float | None
+    start: float
+    duration: float
+    particles: int | None
+    particles_per_parcel: float  # at most, where they crowd: see parcels_fed
+    parcels: str  # particles: each parcel is one; evenMass, evenSizes: see Feed.H
+    focus: str  # none, auto or a size in m, around which half of evenSizes' parcels lie
+    drain_time: float
+    velocity: tuple[float, float, float]
+    seed: int
+    materials: list[Material]
+
+    @property
+    def smallest(self) -> float:
+        """Smallest diameter fed, m."""
+        return min(material.sizes.smallest for material in self.materials)
+
+    @property
+    def largest(self) -> float:
+        """Largest diameter fed, m."""
+        return max(material.sizes.largest for material in self.materials)
+
+    @property
+    def spread(self) -> bool:
+        """Whether the parcels are spread over the duration (they stand for several particles)."""
+        return self.parcels != "particles" and self.duration != inf and self.particles is not None
+
+    def parcels_fed(self, rate: float, loading: float) -> int | None:
+        """Parcels of a feed of `rate` (kg/s) at a loading (kg/kg): `particles`, or more where
+        each would be more than `particles_per_parcel`. As Feed.H; nan: not known, `particles`."""
+        if self.particles is None or not self.spread or not loading >= LARGEST_DILUTE_LOADING:
+            return self.particles
+        number = rate * self.duration / self.mean_particle_mass()
+        enough = min(number / self.particles_per_parcel, MOST_ADDED * self.particles)
+        return max(self.particles, ceil(enough))
+
+    def mean_particle_mass(self) -> float:
+        """Mass (kg) of the feed over its number of particles."""
+        number_per_mass = sum(
+            material.mass_fraction
+            / (material.density * pi / 6 * material.sizes.mean_volume_diameter() ** 3)
+            for material in self.materials
+        )
+        return 1 / number_per_mass
+
+
+def read_feed(case: Path) -> Feed:
+    """Read CASE/constant/feed. Raises InputError for the first entry that is not allowed."""
+    entries = read_dictionary(case / "constant" / "feed", case)
+    entries.refuse_unknown(ENTRIES)
+    place, is_patch = _read_place(entries)
+    loading, rate = _read_rate(entries)
+    duration = entries.number("duration", inf, above=0, unit="s")
+    particles = entries.number("particles", None, at_least=1, at_most=1e12)
+    if particles is not None and particles != int(particles):
+        raise entries.refuse("particles", "a whole number >= 1")
+    if duration == inf and particles is None:
+        raise InputError(
+            f"{entries.where()}: neither duration nor particles is given; "
+            "allowed: duration (s), particles (a whole number) or both"
+        )
+    velocity = entries.numbers("velocity", 3) if "velocity" in entries else [0.0, 0.0, 0.0]
+    return Feed(
+        outlets=_read_outlets(entries.sub("outlets")),
+        place=place,
+        place_is_patch=is_patch,
+        loading=loading,
+        mass_flow_rate=rate,
+        start=entries.number("start", 0.0, at_least=0, unit="s"),
+        duration=duration,
+        particles=None if particles is None else int(particles),
+        particles_per_parcel=entries.number("particlesPerParcel", inf, above=0),
+        parcels=entries.word("parcels", ("particles", "evenMass", "evenSizes"), "particles"),
+        focus=_read_focus(entries),
+        drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
+        velocity=(velocity[0], velocity[1], velocity[2]),
+        seed=_read_seed(entries),
+        materials=_read_materials(entries.sub("materials")),
+    )
+
+
+def _read_place(entries: Dictionary) -> tuple[str, bool]:
+    if ("patch" in entries) == ("zone" in entries):
+        raise InputError(
+            f"{entries.where('patch')}: allowed: either 'patch NAME;' or 'zone NAME;', one of them"
+        )
+    name = "patch" if "patch" in entries else "zone"
+    return entries.word(name), name == "patch"
+
+
+def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
+    if ("loading" in entries) == ("massFlowRate" in entries):
+        raise InputError(
+            f"{entries.where('loading')}: allowed: either 'loading X;' (kg/kg) or "
+            "'massFlowRate X;' (kg/s), one of them"
+        )
+    if "loading" in entries:
+        return entries.number("loading", above=0, at_most=1000, unit="kg solids per kg gas"), None
+    return None, entries.number("massFlowRate", above=0, at_most=1e6, unit="kg/s")
+
+
+def _read_focus(entries: Dictionary) -> str:
+    allowed = "none, auto or a size > 0 m"
+    value = entries.raw("focus", "none", allowed=allowed)
+    if value in ("none", "auto"):
+        return str(value)
+    if isinstance(value, (str, bool)):
+        raise entries.refuse("focus", allowed)
+    return f"{entries.number('focus', above=0, at_most=1, unit='m'):g} m"
+
+
+def _read_seed(entries: Dictionary) -> int:
+    seed = entries.number("seed", 1.0, at_least=0, at_most=2**31 - 1)
+    if seed != int(seed):
+        raise entries.refuse("seed", "a whole number >= 0")
+    return int(seed)
+
+
+def _read_outlets(entries: Dictionary) -> dict[str, list[str]]:
+    entries.refuse_unknown(("fines", "coarse"))
+    outlets = {product: entries.words(product) for product in ("fines", "coarse")}
+    for patch in outlets["fines"]:
+        if patch in outlets["coarse"]:
+            raise entries.refuse("coarse", f"patches that are not in fines too ('{patch}' is)")
+    return outlets
+
+
+def _read_materials(entries: Dictionary) -> list[Material]:
+    if not entries.entries:
+        raise entries.refuse("", "at least one material { ... }")
+    materials = []
+    for name in entries.entries:
+        entry = entries.sub(name)
+        entry.refuse_unknown(MATERIAL_ENTRIES)
+        if name == "all" or "," in name or '"' in name:
+            raise InputError(f"{entry.where()}: '{name}' cannot be a material; allowed: a word")
+        materials.append(
+            Material(
+                name=name,
+                density=entry.number("density", at_least=LEAST_DENSITY, at_most=3e4, unit="kg/m3"),
+                sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
+                mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
+                sizes=read_size_distribution(entry.sub("sizeDistribution")),
+            )
+        )
+    total = sum(material.mass_fraction for material in materials)
+    if abs(total - 1) > 1e-6:
+        raise InputError(
+            f"{entries.where()}: massFraction adds up to {total:.6g} over "
+            f"{', '.join(material.name for material in materials)}; allowed: 1"
+        )
+    return materials

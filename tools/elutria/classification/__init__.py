@@ -1,0 +1,1 @@
+"""From parcels that left to partition curves with intervals."""

@@ -1,0 +1,164 @@
+"""From events to the rows of summary.csv, partition.csv, fit.csv and curve.csv."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp, inf, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from elutria.classification.events import Events, Run
+from elutria.classification.fit import LEVELS, PartitionFit, fit_partition
+from elutria.classification.partition import SizeClass, class_limits, partition_table
+from elutria.files import write_csv
+
+SUMMARY_COLUMNS = (
+    "gas_velocity_m_s", "material", "d25_m", "d50_m", "d50_low_m", "d50_high_m", "d75_m",
+    "sharpness", "ecart_probable_m", "bypass", "fines_yield", "mass_closure_error",
+    "particles_fed", "particles_lost", "wall_time_s",
+)  # fmt: skip
+PARTITION_COLUMNS = (
+    "gas_velocity_m_s", "material", "diameter_low_m", "diameter_high_m", "diameter_m", "feed_kg",
+    "fines_kg", "coarse_kg", "inside_kg", "partition_to_coarse", "ci_low", "ci_high",
+)  # fmt: skip
+FIT_COLUMNS = (
+    "gas_velocity_m_s", "material", "rank", "model", "d50_without_bypass_m", "shape", "bypass",
+    "log_likelihood", "aic", "events", "d25_low_m", "d25_high_m", "d50_low_m", "d50_high_m",
+    "d75_low_m", "d75_high_m",
+)  # fmt: skip
+
+CURVE_COLUMNS = (
+    "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
+)  # fmt: skip
+
+Row = dict[str, Any]
+
+
+@dataclass
+class Classification:
+    """Rows of the four tables."""
+
+    summary: list[Row] = field(default_factory=list)
+    partition: list[Row] = field(default_factory=list)
+    fits: list[Row] = field(default_factory=list)
+    curves: list[Row] = field(default_factory=list)
+
+    def extend(self, other: Classification) -> None:
+        """Append another velocity's rows."""
+        self.summary += other.summary
+        self.partition += other.partition
+        self.fits += other.fits
+        self.curves += other.curves
+
+    def write(self, folder: Path) -> None:
+        """summary, partition, fit and curve.csv in `folder`, each whole or not at all."""
+        write_csv(folder / "partition.csv", PARTITION_COLUMNS, self.partition)
+        write_csv(folder / "fit.csv", FIT_COLUMNS, self.fits)
+        write_csv(folder / "curve.csv", CURVE_COLUMNS, self.curves)
+        write_csv(folder / "summary.csv", SUMMARY_COLUMNS, self.summary)
+
+
+def classify(run: Run, velocity: float, wall_time: float) -> Classification:
+    """All rows of one velocity (m/s): each material and `all`. `wall_time` in s."""
+    result = Classification()
+    names = [name for name in run.accounts if name != "all"]
+    fits = {name: fit_events(run.events.of_material(name)) for name in names}
+    # one material: `all` is the same events
+    fits["all"] = fits[names[0]] if len(names) == 1 else fit_events(run.events)
+    limits = None
+    if len(run.events):
+        diameters = run.events.diameter
+        limits = class_limits(float(diameters.min()), float(diameters.max()))
+    for name in [*names, "all"]:
+        events = run.events.of_material(name)
+        table = partition_table(events, limits) if limits is not None else []
+        key = {"gas_velocity_m_s": velocity, "material": name}
+        result.summary.append({**key, **_summary(run, name, events, fits[name], wall_time)})
+        result.partition += [{**key, **_partition(entry)} for entry in table]
+        result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
+        result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
+    return result
+
+
+def fit_events(events: Events) -> PartitionFit:
+    """The partition curve of what has left; at equal size a parcel weighs number x density."""
+    left = events.select(events.has_left)
+    return fit_partition(left.diameter, left.is_coarse, left.number * left.density)
+
+
+def _summary(run: Run, name: str, events: Events, fit: PartitionFit, wall_time: float) -> Row:
+    account = run.accounts[name]
+    mass = events.mass
+    left = float(np.sum(mass[events.has_left]))
+    fines = float(np.sum(mass[events.outlet == "fines"]))
+    low, high = fit.sizes[0.50][1:]
+    return {
+        "d25_m": fit.d25,
+        "d50_m": fit.d50,
+        "d50_low_m": low,
+        "d50_high_m": high,
+        "d75_m": fit.d75,
+        "sharpness": fit.sharpness,
+        "ecart_probable_m": fit.ecart_probable,
+        "bypass": fit.best.bypass if fit.best else nan,
+        "fines_yield": fines / left if left > 0 else nan,
+        "mass_closure_error": account.mass_closure_error,
+        "particles_fed": _whole(account.injected[0]),
+        "particles_lost": _whole(account.lost[0]),
+        "wall_time_s": round(wall_time, 3),
+    }
+
+
+def _whole(number: float) -> int | float:
+    return int(number) if number == int(number) else number
+
+
+def _partition(entry: SizeClass) -> Row:
+    return {
+        "diameter_low_m": entry.low,
+        "diameter_high_m": entry.high,
+        "diameter_m": entry.diameter,
+        "feed_kg": entry.feed,
+        "fines_kg": entry.fines,
+        "coarse_kg": entry.coarse,
+        "inside_kg": entry.inside,
+        "partition_to_coarse": entry.share,
+        "ci_low": entry.share_low,
+        "ci_high": entry.share_high,
+    }
+
+
+def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:
+    """A row per model; only the best one has intervals."""
+    rows = []
+    for rank, curve in enumerate(fit.ranked, start=1):
+        sizes = fit.sizes if rank == 1 else dict.fromkeys(LEVELS, (nan, nan, nan))
+        row: Row = {
+            "rank": rank,
+            "model": curve.name,
+            "d50_without_bypass_m": exp(curve.log_diameter),
+            "shape": exp(curve.log_shape) if curve.log_shape < 700 else inf,
+            "bypass": curve.bypass,
+            "log_likelihood": curve.log_likelihood,
+            "aic": curve.aic,
+            "events": int(np.sum(events.has_left)),
+        }
+        for level, (_, low, high) in sizes.items():
+            row[f"d{level * 100:.0f}_low_m"] = low
+            row[f"d{level * 100:.0f}_high_m"] = high
+        rows.append(row)
+    return rows
+
+
+def _curve_rows(fit: PartitionFit, events: Events) -> list[Row]:
+    """The fitted curve with its 95 % band, over the sizes that left."""
+    if not fit.ranked:
+        return []
+    left = events.diameter[events.has_left]
+    diameter = np.geomspace(left.min(), left.max(), 241)
+    return [
+        dict(zip(CURVE_COLUMNS[2:], row, strict=True))
+        for row in np.column_stack([diameter, *fit.band(diameter)]).tolist()
+    ]

@@ -1,0 +1,1 @@
+"""What can be said of a case before it runs: scene, closed forms, the report of `check`."""

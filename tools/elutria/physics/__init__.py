@@ -1,0 +1,1 @@
+"""Laws of the field that know no case: drag, size distributions."""

@@ -1,0 +1,1 @@
+"""Running cases: one, or a sweep of them side by side."""
