@@ -125,8 +125,8 @@ def sweep(
     if result.skipped:
         console.print(f"{result.skipped} runs were finished before", style="dim")
     _show(result.tables)
-    for velocity in result.imprecise:
-        console.print(f"{velocity:g} m/s: d50 is not known to {precision:g} after {most_runs} runs")
+    for speed in result.imprecise:
+        console.print(f"{speed:g} m/s: d50 is not known to {precision:g} after {most_runs} runs")
     if result.tables.summary:
         _plot(folder)
     if result.failures:

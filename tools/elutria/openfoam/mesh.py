@@ -119,7 +119,7 @@ def _read(path: Path, shown: str, kind: type) -> _List:
     text, closing, _ = body.rpartition(b")")
     try:
         flat = text.replace(b"(", b" ").replace(b")", b" ")
-        values = np.array(flat.split(), dtype=kind)
+        values: NDArray[Any] = np.array(flat.split(), dtype=kind)
     except (ValueError, OverflowError) as error:
         raise InputError(f"{name}: {one_line(error, 80)}; allowed: numbers") from error
     if len(body) - len(text) - len(closing) > 2000:
