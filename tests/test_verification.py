@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 import importlib
 import json
+from math import nan
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from elutria import cli
 from elutria.bench.common import Options, project_root
 from elutria.verification import bed, contacts, dispersion, drag, page, wake
 from elutria.verification.book import Chapter, Row, write_chapter
@@ -17,11 +21,68 @@ from elutria.verification.contacts import collide, linear
 from elutria.verification.scene import Particles
 
 
+def judged(name: str, ours: float) -> Any:
+    """A chapter's module with one judged row, of reference 1."""
+
+    def run(options: Options) -> Chapter:
+        chapter = Chapter(name, name.title())
+        row = Row.relative("here", f"value of {name}, m", 1.0, ours, 0.01)
+        chapter.section(f"Case of {name}", "").rows.append(row)
+        return write_chapter(options, chapter)
+
+    return SimpleNamespace(NAME=name, HELP="", run=run)
+
+
 def test_a_row_passes_fails_or_informs() -> None:
     assert Row.relative("a", "b", 2.0, 2.01, 0.01).verdict == "pass"
     assert Row.relative("a", "b", 2.0, 2.1, 0.01).verdict == "FAIL"
     assert Row.relative("a", "b", 2.0, float("nan"), 0.01).verdict == "FAIL"
     assert Row.relative("a", "b", 2.0, 2.1, None).verdict == "info"
+
+
+def verify(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str]:
+    """Exit code of `elutria verify ...` and the lines on its standard error."""
+    code = 0
+    try:
+        cli.main(["verify", *map(str, arguments)])
+    except SystemExit as ended:
+        code = int(ended.code or 0)
+    return code, capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("force", "code"), [("HaiderLevenspielDrag", 0), ("SchillerNaumannDrag", 1)]
+)
+def test_a_wrong_law_in_the_solver_turns_the_book_red(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    force: str,
+    code: int,
+) -> None:
+    """Rows judge Haider and Levenspiel's law; the solver computes `force`."""
+    monkeypatch.setattr(drag, "SINGLE", ((force, "Haider-Levenspiel", 0.7),))
+    monkeypatch.setattr(drag, "_suspensions", lambda *_: None)
+    monkeypatch.setattr(drag, "_out_of_range", lambda *_: None)
+    ended, said = verify(capsys, "drag", "--to", tmp_path / "drag")
+    assert ended == code
+    assert (f"FAIL {force} (Haider-Levenspiel), sphericity 0.7" in said) == (code == 1)
+
+
+def test_all_chapters_run_before_the_book_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    modules = {"bad": judged("bad", 1.5), "none": judged("none", nan), "good": judged("good", 1.0)}
+    monkeypatch.setattr(cli, "_modules", lambda _: modules)
+    code, said = verify(capsys, "all", "--to", tmp_path)
+    assert code == 1
+    assert "bad: FAIL here: value of bad, m: 0.5, allowed 0.01" in said
+    assert "none: FAIL here: value of none, m: nan, allowed 0.01" in said
+    assert "elutria: verify all: 2 judged rows failed" in said
+    assert "good" not in said
+    assert all((tmp_path / name / "chapter.json").is_file() for name in modules)
+    monkeypatch.setattr(cli, "_modules", lambda _: {"good": modules["good"]})
+    assert verify(capsys, "all", "--to", tmp_path)[0] == 0
 
 
 def test_the_page_summarises_all_chapters(tmp_path: Path) -> None:
@@ -104,5 +165,6 @@ def test_sample_own_wake_in_gas_at_rest(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", page.ORDER)
 def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
     module = importlib.import_module(f"elutria.verification.{name}")
-    module.run(Options(tmp_path / name, quick=True, say=print))
-    assert f'"name": "{name}"' in (tmp_path / name / "chapter.json").read_text()
+    chapter = module.run(Options(tmp_path / name, quick=True, say=print))
+    assert [row for row in chapter.rows if row.allowed is not None]
+    assert [row.failure for row in chapter.failed] == []

@@ -183,29 +183,46 @@ def verify(
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="The reference's own options.")
     ] = None,
 ) -> None:
-    """Reference results, run through the code that users run."""
+    """Reference results, run through the code that users run; exit code 1 if a judged row fails."""
     from concurrent.futures import ProcessPoolExecutor
 
     from elutria import verification
 
     if name != "all":
         folder = to or Path("results/verify") / name
-        _run_module(verification, name, folder, 1, quick, option)
+        _refuse_failures(name, _verify_chapter(name, folder, quick, option), folder)
         return
     folder = to or Path("results/verify")
     with ProcessPoolExecutor(jobs) as pool:
-        pending = [
-            pool.submit(_run_reference, chosen, folder / chosen, quick, option)
+        pending = {
+            chosen: pool.submit(_verify_chapter, chosen, folder / chosen, quick, option)
             for chosen in _modules(verification)
-        ]
-        for done in pending:
-            done.result()
+        }
+    _refuse_failures(
+        "all", [f"{key}: {line}" for key, done in pending.items() for line in done.result()], folder
+    )
 
 
-def _run_reference(name: str, folder: Path, quick: bool, option: list[str] | None) -> None:
+def _verify_chapter(name: str, folder: Path, quick: bool, option: list[str] | None) -> list[str]:
+    """A line for each judged row that failed, or for the chapter that could not be run."""
     from elutria import verification
 
-    _run_module(verification, name, folder, 1, quick, option)
+    try:
+        chapter = _run_module(verification, name, folder, 1, quick, option)
+    except InputError:
+        raise
+    except ElutriaError as error:
+        return [f"FAIL {error}"]
+    return [] if chapter is None else [row.failure for row in chapter.failed]
+
+
+def _refuse_failures(name: str, failures: list[str], folder: Path) -> None:
+    """Raises ElutriaError where there are failures, after a line for each."""
+    if not failures:
+        return
+    for line in failures:
+        errors.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
+    raise ElutriaError(f"verify {name}: {len(failures)} judged rows failed; see {folder}")
 
 
 def _modules(package: Any) -> dict[str, Any]:
@@ -223,14 +240,15 @@ def _modules(package: Any) -> dict[str, Any]:
 
 def _run_module(
     package: Any, name: str, folder: Path, repeats: int, quick: bool, extra: list[str] | None
-) -> None:
+) -> Any:
+    """What the module's `run` returns; None after `list`."""
     from elutria.bench.common import Options
 
     modules: dict[str, Any] = _modules(package)
     if name == "list":
         for key in sorted(modules):
             console.print(f"{key}: {modules[key].HELP}", highlight=False, soft_wrap=True)
-        return
+        return None
     if name not in modules:
         raise InputError(
             f"'{one_line(name, 40)}'{suggestion(name, modules)}; "
@@ -244,7 +262,7 @@ def _run_module(
     def say(text: str) -> None:
         console.print(text, highlight=False, markup=False, soft_wrap=True)
 
-    modules[name].run(Options(folder, repeats, quick, settings, say))
+    return modules[name].run(Options(folder, repeats, quick, settings, say))
 
 
 @app.command(epilog="Example: elutria vtk results/column/U5")

@@ -42,12 +42,12 @@ STOCK: dict[str, Any] = {"ErgunWenYuDrag": {"alphac": "alpha.air"}}
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Held beds at two void fractions and two sizes."""
     chapter = Chapter(NAME, "Beds")
     with TemporaryDirectory() as work:
         _packed(chapter, Path(work), options.quick)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def ergun(velocity: float, diameter: float, void: float) -> float:

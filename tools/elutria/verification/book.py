@@ -52,6 +52,11 @@ class Row:
             return "info"
         return "pass" if self.error <= self.allowed else "FAIL"
 
+    @property
+    def failure(self) -> str:
+        """The line that names a judged row that fails."""
+        return f"FAIL {self.case}: {self.checked}: {self.error:.3g}, allowed {self.allowed:.3g}"
+
 
 @dataclass
 class Section:
@@ -82,8 +87,13 @@ class Chapter:
         """Of all sections."""
         return [row for section in self.sections for row in section.rows]
 
+    @property
+    def failed(self) -> list[Row]:
+        """Judged rows that fail."""
+        return [row for row in self.rows if row.verdict == "FAIL"]
 
-def write_chapter(options: Options, chapter: Chapter) -> None:
+
+def write_chapter(options: Options, chapter: Chapter) -> Chapter:
     """rows.csv, the figures and chapter.json in the options' folder; then the page beside it."""
     folder = options.folder
     folder.mkdir(parents=True, exist_ok=True)
@@ -96,10 +106,11 @@ def write_chapter(options: Options, chapter: Chapter) -> None:
     )
     bind(folder.parent)
     judged = [row for row in chapter.rows if row.allowed is not None]
-    failed = [row for row in judged if row.verdict != "pass"]
-    options.say(f"{chapter.name}: {len(judged) - len(failed)} of {len(judged)} rows pass")
-    for row in failed:
-        options.say(f"  FAIL {row.case}: {row.checked}: {row.error:.3g}, allowed {row.allowed:.3g}")
+    passed = len(judged) - len(chapter.failed)
+    options.say(f"{chapter.name}: {passed} of {len(judged)} rows pass")
+    for row in chapter.failed:
+        options.say(f"  {row.failure}")
+    return chapter
 
 
 def _written(section: Section, options: Options) -> dict[str, Any]:

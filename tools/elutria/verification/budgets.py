@@ -122,13 +122,13 @@ def ledger_errors(case: Path) -> dict[tuple[str, str], float]:
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Momentum at two loads and with one and four outer correctors; mass at two velocities."""
     chapter = Chapter(NAME, "Budgets")
     with TemporaryDirectory() as work:
         _momentum(chapter, Path(work), options.quick)
         _mass(chapter, Path(work), options.quick)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def _momentum(chapter: Chapter, folder: Path, quick: bool) -> None:

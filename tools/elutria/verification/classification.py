@@ -44,7 +44,7 @@ PLUG_FLOW = {
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Plug flow at two densities and six velocities, and the limit of a vanishing feed."""
     chapter = Chapter(NAME, "Classification")
     with TemporaryDirectory() as work:
@@ -72,7 +72,7 @@ def run(options: Options) -> None:
         axes.legend(title="lines: theory; dots: elutriaFoam", title_fontsize=7)
         plug.figures["plug"] = (figure, "Plug flow: cut size against gas velocity.")
         _vanishing_feed(chapter, folder, options.quick)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def plug_flow(

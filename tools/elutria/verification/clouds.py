@@ -34,14 +34,14 @@ Array = NDArray[np.float64]
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Cooling at two solid fractions and three restitutions; hindered settling at five."""
     chapter = Chapter(NAME, "Many particles")
     number = 600 if options.quick else 3000
     with TemporaryDirectory() as work:
         _haff(chapter, Path(work), number)
         _hindered(chapter, Path(work))
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def _lattice(number: int, side: float) -> Array:

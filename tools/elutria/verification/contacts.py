@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Free fall and bounce, repeated bounces, a stacked pair, slip to roll."""
     chapter = Chapter(NAME, "Contacts")
     with TemporaryDirectory() as work:
@@ -63,7 +63,7 @@ def run(options: Options) -> None:
             "5/7 of its speed.",
         )
         _slip_to_roll(rolling, folder)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def collide(

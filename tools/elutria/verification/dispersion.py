@@ -46,13 +46,13 @@ C0 = 2.1  # of the Langevin model: T_L = (k/epsilon)/(1/2 + 3/4 C0)
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Two turbulence profiles with both models; two drifts."""
     chapter = Chapter(NAME, "Turbulent dispersion")
     with TemporaryDirectory() as work:
         _well_mixed(chapter, Path(work), 1000 if options.quick else 4000)
         _drift(chapter, Path(work), 1000 if options.quick else 40000)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def _wall_turbulence(height: Array) -> tuple[Array, Array]:

@@ -45,14 +45,14 @@ DENSE = ("WenYuVoidDrag", "GidaspowDrag", "BeetstraDrag", "DiFeliceDrag", "Ergun
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Single-particle laws, laws for suspensions, use out of range."""
     chapter = Chapter(NAME, "Drag laws")
     with TemporaryDirectory() as work:
         _single(chapter, Path(work))
         _suspensions(chapter, Path(work))
         _out_of_range(chapter, Path(work))
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def drag_coefficients(folder: Path, force: dict[str, Any], solids: float) -> tuple[Array, str]:

@@ -192,7 +192,7 @@ def _rows(case: str, bed: Bed, velocity: float, means: Means, smooth: bool) -> l
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Two materials below and above minimum fluidisation, and a bed that bubbles."""
     chapter = Chapter(NAME, "Fluidised beds")
     section = chapter.section(
@@ -243,4 +243,4 @@ def run(options: Options) -> None:
     axes.set_ylabel("pressure drop over weight")
     axes.legend(title="line: Ergun at void 0.4, then the weight", title_fontsize=7)
     section.figures["plateau"] = (figure, "Pressure drop of beds on the inlet.")
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)

@@ -95,7 +95,7 @@ def read_history(case: Path) -> History:
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """The bed from its lattice at ten times the tutorial's step, its start-up left out."""
     if not TUTORIAL.is_dir():
         raise InputError(f"{TUTORIAL}: not found; apt-get install openfoam-examples")
@@ -136,4 +136,4 @@ def run(options: Options) -> None:
     below.set_ylabel("mean height (mm)")
     below.set_xlabel("time (s)")
     section.figures["bed"] = (figure, "Pressure drop (dotted: the bed's weight) and mean height.")
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)

@@ -28,7 +28,7 @@ GLASS = {"youngsModulus": 70e9, "poissonsRatio": 0.25}
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Gross sliding, Hertz' peaks, Kharaz' measurement."""
     chapter = Chapter(NAME, "Impacts")
     with TemporaryDirectory() as work:
@@ -53,7 +53,7 @@ def run(options: Options) -> None:
             "Hertz-Mindlin model rebounds with more tangential speed than was measured.",
         )
         _kharaz(kharaz, folder)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def oblique(

@@ -75,7 +75,7 @@ PIPE = Duct(
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Both shapes at two velocities, widths and densities."""
     chapter = Chapter(NAME, "Laminar profiles")
     number = 2000 if options.quick else 10000
@@ -99,7 +99,7 @@ def run(options: Options) -> None:
             panels[0].legend()
             panels[1].legend()
             section.figures[duct.name] = (figure, f"Laminar {duct.name}: profile and partition.")
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def _classify(

@@ -44,7 +44,7 @@ DEM06 = {
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Settling in an upflow, a sweep of sizes and densities, stiff relaxation."""
     chapter = Chapter(NAME, "Single particles in uniform gas")
     with TemporaryDirectory() as work:
@@ -69,7 +69,7 @@ def run(options: Options) -> None:
             "at their terminal velocity.",
         )
         _stiff(stiff, folder)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def settle(

@@ -33,7 +33,7 @@ GAS, GRAVITY, DENSITY, NU = Gas(), 9.80665, 24.0, 1.5e-5
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
+def run(options: Options) -> Chapter:
     """Settling of single grains at three Reynolds numbers and four cell sizes, before and after."""
     chapter = Chapter(NAME, "A particle's own wake")
     section = chapter.section(
@@ -56,7 +56,7 @@ def run(options: Options) -> None:
     with TemporaryDirectory() as work:
         _ladder(section, Path(work), ratios)
         _hovering(chapter, Path(work), options.quick)
-    write_chapter(options, chapter)
+    return write_chapter(options, chapter)
 
 
 def _hovering(chapter: Chapter, folder: Path, quick: bool) -> None:
