@@ -164,12 +164,12 @@ void ElutriaCloud::trackParcel
         const scalar spent = (p.stepFraction() - before)*dt;
         p.age() += spent;
 
-        functions().postMove(p, spent, from, td.keepParticle);
+        callPostMove(functions(), p, spent, from, td);
         if (!p.onFace())
         {
             continue;
         }
-        functions().postFace(p, td.keepParticle);
+        callPostFace(functions(), p, td);
 
         if (p.onBoundaryFace())
         {

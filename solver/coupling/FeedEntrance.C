@@ -66,7 +66,7 @@ List<FeedEntrance::Piece> gathered
     List<List<Piece>> ofProcessor(Pstream::nProcs());
     ofProcessor[Pstream::myProcNo()] = own;
     Pstream::gatherList(ofProcessor);
-    Pstream::scatterList(ofProcessor);
+    elutriaBroadcast(ofProcessor);
 
     List<Piece> all;
     for (const List<Piece>& list : ofProcessor)

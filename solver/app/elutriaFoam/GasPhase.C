@@ -104,7 +104,7 @@ tmp<fvVectorMatrix> GasPhase::momentum(const volScalarField& coefficient)
     return
         fvm::ddt(alpha_, U_) + fvm::div(alphaPhi_, U_)
       - fvm::Sp(fvc::ddt(alpha_) + fvc::div(alphaPhi_), U_)
-      + turbulence_->divDevRhoReff(U_)
+      + turbulence_->divDevReff(U_)
      ==
       - fvm::Sp(coefficient/rho_, U_);
 }
@@ -320,7 +320,7 @@ void GasPhase::startTurbulence()
 
     turbulence_ = turbulenceModelType::New
     (
-        alpha_, U_, alphaPhi_, phi_, transport_
+        alpha_, geometricOneField(), U_, alphaPhi_, phi_, transport_
     );
 }
 

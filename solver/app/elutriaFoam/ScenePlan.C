@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "ScenePlan.H"
+#include "foamVersion.H"
 #include "globalMeshData.H"
 #include "IOField.H"
 #include "requirePositive.H"
@@ -172,7 +173,7 @@ Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
         sums[blockOf_[celli]] += ofCells[celli];
     }
     Pstream::listCombineGather(sums, plusEqOp<Type>());
-    Pstream::listCombineScatter(sums);
+    elutriaBroadcast(sums);
     return sums;
 }
 
