@@ -11,7 +11,7 @@
 #include "NoCollision.H"
 #include "engineVectors.H"
 #include "foamVersion.H"
-#include "flight.hpp"
+#include "impacts/Flight.hpp"
 #include "turbulenceModel.H"
 #include "zeroGradientFvPatchFields.H"
 

@@ -1,0 +1,151 @@
+#pragma once
+
+#include "impacts/Flight.hpp"
+#include "impacts/ImpactLaw.hpp"
+#include "walls/Walls.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace elutria::dem
+{
+
+class MeetingChances;
+
+/// A sphere on its way through one gas step; `flight` is given at the moment reached so far.
+struct Traveller
+{
+    std::uint64_t id = 0;
+    std::uint32_t material = 0;
+    double radius = 0, mass = 0;
+    double number = 1;             // of particles that it stands for
+    double reach = 0;              // m: radius, or more where spheres meet by chance (weights.hpp)
+    double crowding = 1;           // by how much they meet oftener than in a dilute cloud
+    Flight flight;
+    Vector3 spin;
+    Vector3 force;                 // m/s^2: constant acceleration, without drag
+    Vector3 gasVelocity;           // m/s
+    Vector3 dragGain;              // m/s: velocity received from the drag so far
+};
+
+/// A piece of a path: a flight from `begin` on, known to within `slack`.
+struct Leg
+{
+    double begin = 0;              // s
+    Flight flight;
+    double slack = 0;              // m
+};
+
+/// A sphere that holds a path during some time, radius included.
+struct Bound
+{
+    Vector3 centre;
+    double reach = 0;
+};
+
+/// Bound of a flight of `duration`, in a frame that moves with `frame` (m/s).
+inline Bound boundOf(const Flight& flight, double radius, double duration, const Vector3& frame = {})
+{
+    const Vector3 moved = flight.at(duration).position - flight.position - duration*frame;
+    return {flight.position + 0.5*moved,
+            radius + 0.5*norm(moved) + flight.chordDeviation(duration)};
+}
+
+/// Moves a small group of spheres from impact to impact: exact flights in between.
+///
+///  1. Every meeting that could come is predicted, in order of time (ties: lower index first).
+///  2. The earliest still valid one is carried out; both parties' later predictions lapse and new
+///     ones are made against all others.
+///  3. It stops at the end, or hands over where impacts are not the right picture: spheres that
+///     overlap or stay together, an unsuitable contact law, or too many impacts of one sphere (so
+///     it always ends). A second impact while a first would still last takes it back to the moment
+///     before the first.
+class EventDriven
+{
+public:
+    static constexpr double shallow = 1e-6;   // overlap over radii sum that counts as touching
+
+    /// `forced`: no hand-over for impacts that crowd.
+    EventDriven(const ImpactTable& laws, const Walls& walls, const PeriodicBox& box, bool forced)
+        : laws_(laws), walls_(walls), box_(box), forced_(forced)
+    {}
+
+    /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
+    /// hand-over. `legs[i]` gets each new leg of member i's path. `draw`: see weights.hpp.
+    double run(std::vector<Traveller>& members, double begin, double end, std::uint64_t draw,
+               std::vector<std::vector<Leg>>& legs);
+
+    std::size_t impacts() const { return impacts_; }
+    /// That the impacts would have had, over the radius.
+    double largestOverlap() const { return largestOverlap_; }
+
+private:
+    static constexpr std::uint32_t wall = 0xffffffffu;
+
+    struct Event
+    {
+        double time;
+        std::uint32_t a, b;              // b == wall: the wall that a meets next
+        std::uint32_t versionA, versionB;
+        bool handOver;
+
+        bool operator<(const Event& other) const    // the queue's top is the earliest
+        {
+            if (time != other.time) return time > other.time;
+            return a != other.a ? a > other.a : b > other.b;
+        }
+    };
+    struct State
+    {
+        double since;                    // time at which the traveller's flight is given
+        Bound bound;                     // of the path from there to the end
+        Vector3 end;                     // of the path
+        std::uint32_t version = 0, impacts = 0, meetings = 0;   // meetings: of weighted spheres
+        double busyUntil = -1;           // end of the last impact, had it a duration
+        Walls::Image nextWall{};
+    };
+
+    void predictAll();
+    void predictPair(std::uint32_t a, std::uint32_t b, double from);
+    MeetingChances chances(std::uint32_t a, std::uint32_t b) const;
+    void predictWall(std::uint32_t a, double from);
+    enum class Verdict { done, handOver, crowded };
+    bool tooMany(const Event&) const;
+    Verdict carryOut(const Event&);
+    void meetWeighted(const Event&);
+    void predictAfter(const Event&, bool changedA, bool changedB);
+    void fly(std::uint32_t a, double to);
+    void changed(std::uint32_t a, const ImpactBody& after);
+    void push(const Event& event);
+    void remember(double time);
+    double goBack();
+
+    /// The last moment at which no impact was going on.
+    struct Checkpoint
+    {
+        double time = 0;
+        std::vector<Traveller> members;
+        std::vector<double> since;
+        std::vector<std::size_t> legs;
+        std::size_t impacts = 0;
+    };
+
+    const ImpactTable& laws_;
+    const Walls& walls_;
+    const PeriodicBox& box_;
+    bool forced_;
+    std::size_t impacts_ = 0;
+    double largestOverlap_ = 0;
+
+    std::vector<Traveller>* members_ = nullptr;
+    std::vector<std::vector<Leg>>* legs_ = nullptr;
+    double end_ = 0;
+    std::uint64_t draw_ = 0;
+    std::vector<State> states_;
+    std::vector<Event> queue_;
+    std::vector<Walls::Image> images_;
+    Checkpoint checkpoint_;
+    double busyUntil_ = -1;
+};
+
+} // namespace elutria::dem
