@@ -1,6 +1,6 @@
 #include "impacts/ImpactLaw.hpp"
 
-#include "soft/SoftIntegrator.hpp"
+#include "laws/LawTable.hpp"
 #include "laws/contact.hpp"
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/ContactRecord.hpp"
 #include "core/DisjointSets.hpp"
-#include "engine/Engine.hpp"
+#include "core/StepReport.hpp"
 #include "core/forEach.hpp"
 #include "impacts/StochasticCollisions.hpp"
 #include "islands/IslandStepper.hpp"

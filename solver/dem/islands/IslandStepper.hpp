@@ -1,6 +1,7 @@
 #pragma once
 
-#include "engine/Engine.hpp"
+#include "core/ContactRecord.hpp"
+#include "core/StepReport.hpp"
 #include "impacts/EventDriven.hpp"
 #include "soft/SoftIntegrator.hpp"
 

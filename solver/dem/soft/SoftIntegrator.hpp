@@ -1,6 +1,7 @@
 #pragma once
 
-#include "engine/Engine.hpp"
+#include "core/ContactRecord.hpp"
+#include "core/StepReport.hpp"
 #include "laws/LawTable.hpp"
 #include "neighbours/PairSearch.hpp"
 #include "soft/PairContacts.hpp"
