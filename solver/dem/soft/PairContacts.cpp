@@ -122,7 +122,7 @@ private:
     std::size_t at_, stop_;
 };
 
-void ContactTable::refresh(std::size_t c, const Cloud& cloud, const PairList& list,
+void ContactTable::refresh(std::size_t c, const SoftCloud& cloud, const PairList& list,
                            const Leeway& leeway)
 {
     Chunk& chunk = chunks_[c];
@@ -196,7 +196,7 @@ void ContactTable::connect()
 struct ContactTable::Job
 {
     Chunk& chunk;
-    const Cloud& cloud;
+    const SoftCloud& cloud;
     const LawTable& laws;
     StepWeights weights;
 };
@@ -232,7 +232,7 @@ Contribution ContactTable::transition(void* self, std::size_t k)
             float(moment.x), float(moment.y), float(moment.z), 0};
 }
 
-void ContactTable::evaluate(std::size_t index, Cloud& cloud, StepWeights weights)
+void ContactTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     Chunk& chunk = chunks_[index];
     Arrays& a = chunk.current;
@@ -275,7 +275,7 @@ void ContactTable::evaluate(std::size_t index, Cloud& cloud, StepWeights weights
     chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
 }
 
-void ContactTable::addRolling(std::size_t index, Cloud& cloud, StepWeights weights)
+void ContactTable::addRolling(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     Chunk& chunk = chunks_[index];
     const Arrays& arrays = chunk.current;
@@ -315,7 +315,7 @@ void ContactTable::addRolling(std::size_t index, Cloud& cloud, StepWeights weigh
     }
 }
 
-void ContactTable::receive(std::size_t index, Cloud& cloud) const
+void ContactTable::receive(std::size_t index, SoftCloud& cloud) const
 {
     for (const Incoming& in : chunks_[index].incoming)
     {

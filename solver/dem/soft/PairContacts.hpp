@@ -44,18 +44,18 @@ public:
 
     /// Chooses the pairs of the list within their leeway; keeps the history of those that touch.
     /// After the last of the chunks, connect().
-    void refresh(std::size_t chunk, const Cloud& cloud, const PairList& list,
+    void refresh(std::size_t chunk, const SoftCloud& cloud, const PairList& list,
                  const Leeway& leeway);
     void connect();
 
     /// Forces of the pairs of one chunk onto its own particles; chunks may run side by side.
-    void evaluate(std::size_t chunk, Cloud& cloud, StepWeights weights);
+    void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
 
     /// Adds the rolling resistance of the pairs that touch, after evaluate().
-    void addRolling(std::size_t chunk, Cloud& cloud, StepWeights weights);
+    void addRolling(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
 
     /// Adds what pairs of other chunks do to the particles of this one.
-    void receive(std::size_t chunk, Cloud& cloud) const;
+    void receive(std::size_t chunk, SoftCloud& cloud) const;
 
     /// Largest overlap met since the last call, over twice the effective radius.
     double takeLargestOverlap();

@@ -11,7 +11,7 @@
 namespace elutria::dem
 {
 
-double Cloud::load(const Particles& p, double step)
+double SoftCloud::load(const Particles& p, double step)
 {
     const std::size_t n = p.size();
     const bool same = holds(p);
@@ -73,7 +73,7 @@ double Cloud::load(const Particles& p, double step)
     return shifted;
 }
 
-void Cloud::loadForcing(const Particles& p, double step)
+void SoftCloud::loadForcing(const Particles& p, double step)
 {
     const std::size_t n = p.size();
     bool uniform = p.dragRate.empty();
@@ -99,7 +99,7 @@ void Cloud::loadForcing(const Particles& p, double step)
     }
 }
 
-void Cloud::store(Particles& p, double duration) const
+void SoftCloud::store(Particles& p, double duration) const
 {
     const bool drag = !p.dragRate.empty();
     if (drag) p.dragImpulse.resize(size());
@@ -150,7 +150,7 @@ void radixSort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scr
 
 } // namespace
 
-std::vector<std::uint32_t> Cloud::sort(double width)
+std::vector<std::uint32_t> SoftCloud::sort(double width)
 {
     const std::size_t n = size();
     Vector3 low{1e300, 1e300, 1e300}, high = -low;
@@ -186,7 +186,7 @@ std::vector<std::uint32_t> Cloud::sort(double width)
 }
 
 /// Moves each particle to its target, in place, cycle by cycle; loads are all zero here.
-void Cloud::moveTo(std::vector<std::uint32_t> target)
+void SoftCloud::moveTo(std::vector<std::uint32_t> target)
 {
     for (std::uint32_t i = 0; i < size(); ++i)
     {
@@ -204,7 +204,7 @@ void Cloud::moveTo(std::vector<std::uint32_t> target)
     }
 }
 
-std::vector<std::uint32_t> Cloud::byId() const
+std::vector<std::uint32_t> SoftCloud::byId() const
 {
     std::vector<std::uint32_t> own(size()), sorted(size());
     for (std::size_t i = 0; i < size(); ++i) own[order_[i]] = std::uint32_t(i);
@@ -212,14 +212,14 @@ std::vector<std::uint32_t> Cloud::byId() const
     return sorted;
 }
 
-std::uint32_t Cloud::find(const std::vector<std::uint32_t>& byId, std::uint64_t wanted) const
+std::uint32_t SoftCloud::find(const std::vector<std::uint32_t>& byId, std::uint64_t wanted) const
 {
     const auto at = std::lower_bound(byId.begin(), byId.end(), wanted,
         [&](std::uint32_t i, std::uint64_t value) { return id(i) < value; });
     return at != byId.end() && id(*at) == wanted ? *at : none;
 }
 
-double Cloud::speedRange() const
+double SoftCloud::speedRange() const
 {
     if (bases.empty()) return 0;
     Vector3 low = velocity(0), high = low;
@@ -231,7 +231,7 @@ double Cloud::speedRange() const
     return 0.5*norm(high - low);
 }
 
-std::size_t Cloud::bytes() const
+std::size_t SoftCloud::bytes() const
 {
     return rows.capacity()*sizeof(Row) + bases.capacity()*sizeof(Base)
            + loads.capacity()*sizeof(Load) + forcing.capacity()*sizeof(Forcing)

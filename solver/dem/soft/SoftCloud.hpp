@@ -12,7 +12,7 @@ namespace elutria::dem
 /// The soft integrator's own copy of the particles, in an order that keeps neighbours in space
 /// close in memory. The order depends on positions and ids alone, not on the caller's order.
 /// Positions are not wrapped into a periodic box while the cloud is held.
-class Cloud
+class SoftCloud
 {
 public:
     std::size_t size() const { return rows.size(); }

@@ -86,14 +86,14 @@ void SoftIntegrator::install()
     for (const ContactRecord& r : kept_)
     {
         const std::uint32_t i = cloud_.find(byId, r.first);
-        if (i == Cloud::none) continue;
+        if (i == SoftCloud::none) continue;
         if (r.wall)
         {
             walls.push_back({i, r.second, r.tangential});
             continue;
         }
         const std::uint32_t j = cloud_.find(byId, r.second);
-        if (j == Cloud::none) continue;
+        if (j == SoftCloud::none) continue;
         const Vector3& s = r.tangential;
         pairs.push_back({i, j, float(s.x), float(s.y), float(s.z)});
     }

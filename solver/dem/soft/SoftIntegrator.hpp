@@ -77,7 +77,7 @@ private:
     const Settings& settings_;
     const Walls& walls_;
     LawTable laws_;
-    Cloud cloud_;
+    SoftCloud cloud_;
     PairList list_;
     ContactTable contacts_;
     WallTable atWalls_;

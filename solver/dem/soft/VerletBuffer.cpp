@@ -6,7 +6,7 @@
 namespace elutria::dem
 {
 
-ChunkNeighbours chunkNeighbours(const Cloud& cloud, std::size_t chunkSize, double reach)
+ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach)
 {
     struct Extent
     {
@@ -78,7 +78,7 @@ double Leeway::meanRate() const
 }
 
 /// Remembers where the particles are.
-void Leeway::anchor(std::size_t c, const Cloud& cloud)
+void Leeway::anchor(std::size_t c, const SoftCloud& cloud)
 {
     Chunk& chunk = chunks_[c];
     chunk.origin = cloud.position(begin(c));
@@ -95,7 +95,7 @@ void Leeway::anchor(std::size_t c, const Cloud& cloud)
     chunk.rounding = 1.2e-7*largest;
 }
 
-void Leeway::grant(std::size_t c, const Cloud& cloud, const Vector3& frame, double interval,
+void Leeway::grant(std::size_t c, const SoftCloud& cloud, const Vector3& frame, double interval,
                    double least, double most, const Leeway* others)
 {
     anchor(c, cloud);
@@ -112,7 +112,7 @@ void Leeway::grant(std::size_t c, const Cloud& cloud, const Vector3& frame, doub
     }
 }
 
-void Leeway::grant(std::size_t c, const Cloud& cloud, double equal)
+void Leeway::grant(std::size_t c, const SoftCloud& cloud, double equal)
 {
     anchor(c, cloud);
     chunks_[c].share = chunks_[c].left = equal;
@@ -127,7 +127,7 @@ void Leeway::use(std::size_t c, double way, const Vector3& shift)
     chunk.shift += shift;
 }
 
-void Leeway::measure(std::size_t c, const Cloud& cloud, const Leeway* others)
+void Leeway::measure(std::size_t c, const SoftCloud& cloud, const Leeway* others)
 {
     Chunk& chunk = chunks_[c];
     const bool wraps = cloud.box.any();

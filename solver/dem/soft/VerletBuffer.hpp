@@ -20,7 +20,7 @@ struct ChunkMotion
 using ChunkNeighbours = std::vector<std::vector<std::uint32_t>>;
 
 /// Neighbours are chunks whose boxes around all surfaces are nearer than `reach`, m.
-ChunkNeighbours chunkNeighbours(const Cloud& cloud, std::size_t chunkSize, double reach);
+ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach);
 
 /// How far particles may go before a list misses a pair, and what is left of it.
 ///
@@ -48,15 +48,15 @@ public:
 
     /// Grants all particles of the chunk a new leeway for `interval` s, from `least` to `most`, m,
     /// and none below twice what `others` grant.
-    void grant(std::size_t chunk, const Cloud& cloud, const Vector3& frame, double interval,
+    void grant(std::size_t chunk, const SoftCloud& cloud, const Vector3& frame, double interval,
                double least, double most, const Leeway* others = nullptr);
     /// The same, equal for all, m.
-    void grant(std::size_t chunk, const Cloud& cloud, double equal);
+    void grant(std::size_t chunk, const SoftCloud& cloud, double equal);
 
     /// Takes off a way of the fastest particle in the frame, and moves the frame.
     void use(std::size_t chunk, double way, const Vector3& shift);
     /// Finds out what is left, now and after setting aside what `others` grant each particle.
-    void measure(std::size_t chunk, const Cloud& cloud, const Leeway* others = nullptr);
+    void measure(std::size_t chunk, const SoftCloud& cloud, const Leeway* others = nullptr);
 
     /// False if pairs of the chunk with its neighbours may have come closer by more than their
     /// leeways less `reserve`, m.
@@ -83,7 +83,7 @@ private:
         double rounding = 0;             // m, of the anchors
     };
 
-    void anchor(std::size_t chunk, const Cloud& cloud);
+    void anchor(std::size_t chunk, const SoftCloud& cloud);
     std::size_t begin(std::size_t c) const { return c*chunkSize_; }
     std::size_t end(std::size_t c) const
     {

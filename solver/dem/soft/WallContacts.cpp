@@ -27,7 +27,7 @@ void WallTable::reset(std::size_t chunks, const std::vector<LastingWall>& lastin
     }
 }
 
-double WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t begin,
+double WallTable::refresh(std::size_t index, const SoftCloud& cloud, std::size_t begin,
                           std::size_t end, double margin)
 {
     if (walls_.empty()) return 1e300;
@@ -67,7 +67,7 @@ double WallTable::refresh(std::size_t index, const Cloud& cloud, std::size_t beg
 }
 
 template<ContactLaw law>
-void WallTable::evaluateWith(Chunk& chunk, Cloud& cloud, StepWeights weights)
+void WallTable::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights)
 {
     for (std::size_t k = 0; k < chunk.count; ++k)
     {
@@ -123,7 +123,7 @@ void WallTable::evaluateWith(Chunk& chunk, Cloud& cloud, StepWeights weights)
     }
 }
 
-void WallTable::evaluate(std::size_t index, Cloud& cloud, StepWeights weights)
+void WallTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     if (walls_.empty()) return;
     Chunk& chunk = chunks_[index];

@@ -31,11 +31,11 @@ public:
 
     /// Collects what particles [begin, end) may touch before one of them has moved by `margin`.
     /// Returns the way it holds for: the margin, or more where no wall is near.
-    double refresh(std::size_t chunk, const Cloud& cloud, std::size_t begin, std::size_t end,
+    double refresh(std::size_t chunk, const SoftCloud& cloud, std::size_t begin, std::size_t end,
                    double margin);
 
     /// Adds the forces of the walls to the loads of a chunk's particles.
-    void evaluate(std::size_t chunk, Cloud& cloud, StepWeights weights);
+    void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
 
     double takeLargestOverlap();
     std::vector<LastingWall> lasting() const;
@@ -62,7 +62,7 @@ private:
     };
 
     template<ContactLaw law>
-    void evaluateWith(Chunk& chunk, Cloud& cloud, StepWeights weights);
+    void evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights);
 
     const LawTable& laws_;
     const Walls& walls_;
