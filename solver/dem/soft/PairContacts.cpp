@@ -21,7 +21,7 @@ void widen(std::vector<T>& values, std::size_t size)
 
 } // namespace
 
-void ContactTable::Arrays::makeRoom(std::size_t more)
+void PairContacts::Arrays::makeRoom(std::size_t more)
 {
     if (count + more <= first.size()) return;
     const std::size_t size = count + more + count/8;
@@ -29,13 +29,13 @@ void ContactTable::Arrays::makeRoom(std::size_t more)
     widen(touching, size);
 }
 
-std::size_t ContactTable::Arrays::bytes() const
+std::size_t PairContacts::Arrays::bytes() const
 {
     return 4*(first.capacity() + second.capacity() + x.capacity() + y.capacity() + z.capacity())
            + touching.capacity();
 }
 
-ContactTable::ContactTable(const LawTable& laws) : laws_(laws), law_(laws.law())
+PairContacts::PairContacts(const LawTable& laws) : laws_(laws), law_(laws.law())
 {
     for (std::uint32_t a = 0; a < laws.size(); ++a)
     {
@@ -70,7 +70,7 @@ void sortByParticle(std::vector<LastingPair>& pairs, std::size_t particles)
 
 } // namespace
 
-void ContactTable::reset(std::size_t particles, std::vector<LastingPair>& lasting)
+void PairContacts::reset(std::size_t particles, std::vector<LastingPair>& lasting)
 {
     sortByParticle(lasting, particles);
     particles_ = particles;
@@ -98,7 +98,7 @@ void ContactTable::reset(std::size_t particles, std::vector<LastingPair>& lastin
 }
 
 /// Walks through the old contacts in step with the neighbour list.
-class ContactTable::OldContacts
+class PairContacts::OldContacts
 {
 public:
     OldContacts(const Arrays& arrays, std::size_t at, std::size_t stop)
@@ -122,7 +122,7 @@ private:
     std::size_t at_, stop_;
 };
 
-void ContactTable::refresh(std::size_t c, const SoftCloud& cloud, const PairList& list,
+void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList& list,
                            const Leeway& leeway)
 {
     Chunk& chunk = chunks_[c];
@@ -171,7 +171,7 @@ void ContactTable::refresh(std::size_t c, const SoftCloud& cloud, const PairList
     widen(chunk.across, chunk.current.count - chunk.current.inside);
 }
 
-void ContactTable::connect()
+void PairContacts::connect()
 {
     const auto forAcross = [&](const auto& visit)
     {
@@ -193,7 +193,7 @@ void ContactTable::connect()
     });
 }
 
-struct ContactTable::Job
+struct PairContacts::Job
 {
     Chunk& chunk;
     const SoftCloud& cloud;
@@ -202,7 +202,7 @@ struct ContactTable::Job
 };
 
 template<ContactLaw law>
-Contribution ContactTable::transition(void* self, std::size_t k)
+Contribution PairContacts::transition(void* self, std::size_t k)
 {
     const Job& job = *static_cast<Job*>(self);
     Arrays& arrays = job.chunk.current;
@@ -232,7 +232,7 @@ Contribution ContactTable::transition(void* self, std::size_t k)
             float(moment.x), float(moment.y), float(moment.z), 0};
 }
 
-void ContactTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
+void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     Chunk& chunk = chunks_[index];
     Arrays& a = chunk.current;
@@ -275,7 +275,7 @@ void ContactTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
     chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
 }
 
-void ContactTable::addRolling(std::size_t index, SoftCloud& cloud, StepWeights weights)
+void PairContacts::addRolling(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     Chunk& chunk = chunks_[index];
     const Arrays& arrays = chunk.current;
@@ -315,7 +315,7 @@ void ContactTable::addRolling(std::size_t index, SoftCloud& cloud, StepWeights w
     }
 }
 
-void ContactTable::receive(std::size_t index, SoftCloud& cloud) const
+void PairContacts::receive(std::size_t index, SoftCloud& cloud) const
 {
     for (const Incoming& in : chunks_[index].incoming)
     {
@@ -326,7 +326,7 @@ void ContactTable::receive(std::size_t index, SoftCloud& cloud) const
     }
 }
 
-double ContactTable::takeLargestOverlap()
+double PairContacts::takeLargestOverlap()
 {
     double largest = 0;
     for (Chunk& chunk : chunks_)
@@ -337,7 +337,7 @@ double ContactTable::takeLargestOverlap()
     return largest;
 }
 
-std::vector<LastingPair> ContactTable::lasting() const
+std::vector<LastingPair> PairContacts::lasting() const
 {
     std::vector<LastingPair> all;
     for (const Chunk& chunk : chunks_)
@@ -355,7 +355,7 @@ std::vector<LastingPair> ContactTable::lasting() const
     return all;
 }
 
-std::size_t ContactTable::touching() const
+std::size_t PairContacts::touching() const
 {
     std::size_t count = 0;
     for (const Chunk& c : chunks_)
@@ -366,14 +366,14 @@ std::size_t ContactTable::touching() const
     return count;
 }
 
-std::size_t ContactTable::size() const
+std::size_t PairContacts::size() const
 {
     std::size_t count = 0;
     for (const Chunk& c : chunks_) count += c.current.count;
     return count;
 }
 
-std::size_t ContactTable::bytes() const
+std::size_t PairContacts::bytes() const
 {
     std::size_t sum = 0;
     for (const Chunk& c : chunks_)

@@ -28,12 +28,12 @@ struct LastingPair
 ///
 /// The neighbour list holds pairs within a wide leeway. Of these only the ones within a much smaller
 /// one are here; refresh() chooses them anew before anything can have moved further.
-class ContactTable
+class PairContacts
 {
 public:
     static constexpr std::size_t chunkSize = 2048;
 
-    explicit ContactTable(const LawTable& laws);
+    explicit PairContacts(const LawTable& laws);
 
     std::size_t chunks() const { return chunks_.size(); }
     static std::size_t chunkBegin(std::size_t c) { return c*chunkSize; }

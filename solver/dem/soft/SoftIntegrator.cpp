@@ -151,7 +151,7 @@ void SoftIntegrator::receive(std::size_t chunk, StepWeights weights)
 /// base + sign*(h phi2 a): between base and velocity.
 void SoftIntegrator::kick(std::size_t chunk, double sign)
 {
-    for (std::size_t i = ContactTable::chunkBegin(chunk); i < contacts_.chunkEnd(chunk); ++i)
+    for (std::size_t i = PairContacts::chunkBegin(chunk); i < contacts_.chunkEnd(chunk); ++i)
     {
         Base& b = cloud_.bases[i];
         const Load& l = cloud_.loads[i];
@@ -182,7 +182,7 @@ void SoftIntegrator::move(StepWeights weights, bool received)
     {
         if (!received) receive(c, weights);
         MoveWork& w = works_[c];
-        w.begin = ContactTable::chunkBegin(c), w.end = contacts_.chunkEnd(c);
+        w.begin = PairContacts::chunkBegin(c), w.end = contacts_.chunkEnd(c);
         w.rows = cloud_.rows.data(), w.bases = cloud_.bases.data();
         w.loads = cloud_.loads.data();
         w.forcing = cloud_.forcing.empty() ? nullptr : cloud_.forcing.data();

@@ -79,8 +79,8 @@ private:
     LawTable laws_;
     SoftCloud cloud_;
     PairList list_;
-    ContactTable contacts_;
-    WallTable atWalls_;
+    PairContacts contacts_;
+    WallContacts atWalls_;
     Leeway leeway_, nearLeeway_;             // of the neighbour list, of the near pairs
     std::vector<ChunkMotion> motion_;
     ChunkNeighbours neighbours_;

@@ -86,7 +86,7 @@ void SoftIntegrator::measureMotion()
     motion_.resize(contacts_.chunks());
     for (std::size_t c = 0; c < contacts_.chunks(); ++c)
     {
-        const std::size_t begin = ContactTable::chunkBegin(c), end = contacts_.chunkEnd(c);
+        const std::size_t begin = PairContacts::chunkBegin(c), end = contacts_.chunkEnd(c);
         ChunkMotion& m = motion_[c];
         Vector3 mean;
         double fastest2 = 0, inFrame2 = 0;
@@ -135,7 +135,7 @@ void SoftIntegrator::grantLeeways()
     const bool first = leeway_.chunks() != chunks;
     for (Leeway* leeway : {&leeway_, &nearLeeway_})
     {
-        leeway->resize(cloud_.size(), ContactTable::chunkSize);
+        leeway->resize(cloud_.size(), PairContacts::chunkSize);
         for (std::size_t c = 0; first && c < chunks; ++c)
         {
             leeway->expect(c, 0.5*motion_[c].speed
@@ -150,7 +150,7 @@ void SoftIntegrator::grantLeeways()
         if (equal) leeway_.grant(c, cloud_, most);
         else leeway_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearLeeway_);
     });
-    neighbours_ = chunkNeighbours(cloud_, ContactTable::chunkSize, 6*most);
+    neighbours_ = chunkNeighbours(cloud_, PairContacts::chunkSize, 6*most);
     sinceList_ = 0;
 }
 
@@ -214,7 +214,7 @@ void SoftIntegrator::refresh()
 void SoftIntegrator::refreshWalls(std::size_t chunk)
 {
     const double margin = std::max(0.25*cloud_.mean, 8*motion_[chunk].wallSpeed*step_);
-    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, ContactTable::chunkBegin(chunk),
+    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, PairContacts::chunkBegin(chunk),
                                           contacts_.chunkEnd(chunk), margin);
     motion_[chunk].wallWay = 0;
 }

@@ -7,15 +7,15 @@
 namespace elutria::dem
 {
 
-WallTable::WallTable(const LawTable& laws, const Walls& walls) : laws_(laws), walls_(walls) {}
+WallContacts::WallContacts(const LawTable& laws, const Walls& walls) : laws_(laws), walls_(walls) {}
 
-void WallTable::reset(std::size_t chunks, const std::vector<LastingWall>& lasting)
+void WallContacts::reset(std::size_t chunks, const std::vector<LastingWall>& lasting)
 {
     chunks_.resize(chunks);
     for (Chunk& chunk : chunks_) chunk.count = 0;
     for (const LastingWall& l : lasting)
     {
-        Chunk& chunk = chunks_[l.particle/ContactTable::chunkSize];
+        Chunk& chunk = chunks_[l.particle/PairContacts::chunkSize];
         if (chunk.count == 0 || chunk.current[chunk.count - 1].particle != l.particle)
         {
             if (chunk.current.size() <= chunk.count) chunk.current.emplace_back();
@@ -27,7 +27,7 @@ void WallTable::reset(std::size_t chunks, const std::vector<LastingWall>& lastin
     }
 }
 
-double WallTable::refresh(std::size_t index, const SoftCloud& cloud, std::size_t begin,
+double WallContacts::refresh(std::size_t index, const SoftCloud& cloud, std::size_t begin,
                           std::size_t end, double margin)
 {
     if (walls_.empty()) return 1e300;
@@ -67,7 +67,7 @@ double WallTable::refresh(std::size_t index, const SoftCloud& cloud, std::size_t
 }
 
 template<ContactLaw law>
-void WallTable::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights)
+void WallContacts::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights)
 {
     for (std::size_t k = 0; k < chunk.count; ++k)
     {
@@ -123,7 +123,7 @@ void WallTable::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights
     }
 }
 
-void WallTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
+void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
     if (walls_.empty()) return;
     Chunk& chunk = chunks_[index];
@@ -138,7 +138,7 @@ void WallTable::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weight
     }
 }
 
-double WallTable::takeLargestOverlap()
+double WallContacts::takeLargestOverlap()
 {
     double largest = 0;
     for (Chunk& chunk : chunks_)
@@ -149,7 +149,7 @@ double WallTable::takeLargestOverlap()
     return largest;
 }
 
-std::vector<LastingWall> WallTable::lasting() const
+std::vector<LastingWall> WallContacts::lasting() const
 {
     std::vector<LastingWall> all;
     for (const Chunk& chunk : chunks_)
@@ -165,7 +165,7 @@ std::vector<LastingWall> WallTable::lasting() const
     return all;
 }
 
-std::size_t WallTable::touching() const
+std::size_t WallContacts::touching() const
 {
     std::size_t count = 0;
     for (const Chunk& chunk : chunks_)
@@ -175,7 +175,7 @@ std::size_t WallTable::touching() const
     return count;
 }
 
-std::size_t WallTable::bytes() const
+std::size_t WallContacts::bytes() const
 {
     std::size_t sum = 0;
     for (const Chunk& chunk : chunks_)

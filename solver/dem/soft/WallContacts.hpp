@@ -20,11 +20,11 @@ struct LastingWall
 };
 
 /// The particles near walls, the triangles each may touch, and the history of those that do.
-/// Cut into the same chunks as ContactTable.
-class WallTable
+/// Cut into the same chunks as PairContacts.
+class WallContacts
 {
 public:
-    WallTable(const LawTable& laws, const Walls& walls);
+    WallContacts(const LawTable& laws, const Walls& walls);
 
     /// Forgets everything and takes these contacts, ascending by particle.
     void reset(std::size_t chunks, const std::vector<LastingWall>& lasting);
