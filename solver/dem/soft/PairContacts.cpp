@@ -123,7 +123,7 @@ private:
 };
 
 void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList& list,
-                           const Leeway& leeway)
+                           const VerletBuffer& buffer)
 {
     Chunk& chunk = chunks_[c];
     const Arrays& old = chunk.current;
@@ -140,7 +140,7 @@ void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList
         const Row &a = rows[i], &b = rows[j];
         Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
         if (wraps) apart = box.shortest(apart);
-        const double sum = a.radius + b.radius, reach = sum + leeway.of(i) + leeway.of(j);
+        const double sum = a.radius + b.radius, reach = sum + buffer.of(i) + buffer.of(j);
         const double distance2 = squaredNorm(apart);
         if (distance2 >= reach*reach) return;
         // spheres of many particles that are inside each other are on their way through

@@ -26,7 +26,7 @@ struct LastingPair
 /// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
 /// threads with bitwise the same sums.
 ///
-/// The neighbour list holds pairs within a wide leeway. Of these only the ones within a much smaller
+/// The neighbour list holds pairs within a wide buffer. Of these only the ones within a much smaller
 /// one are here; refresh() chooses them anew before anything can have moved further.
 class PairContacts
 {
@@ -42,10 +42,10 @@ public:
     /// Forgets everything and takes these contacts as touching.
     void reset(std::size_t particles, std::vector<LastingPair>& lasting);
 
-    /// Chooses the pairs of the list within their leeway; keeps the history of those that touch.
+    /// Chooses the pairs of the list within their buffer; keeps the history of those that touch.
     /// After the last of the chunks, connect().
     void refresh(std::size_t chunk, const SoftCloud& cloud, const PairList& list,
-                 const Leeway& leeway);
+                 const VerletBuffer& buffer);
     void connect();
 
     /// Forces of the pairs of one chunk onto its own particles; chunks may run side by side.

@@ -71,7 +71,7 @@ void SoftIntegrator::keep()
 void SoftIntegrator::forgetLists()
 {
     valid_ = false;
-    leeway_.forget(), nearLeeway_.forget();
+    listBuffer_.forget(), nearBuffer_.forget();
     list_.begin.clear(), list_.second.clear();
     density_ = firstDensity;
 }
@@ -127,7 +127,7 @@ void SoftIntegrator::load(const Particles& particles, double step)
     measureMotion();
     for (std::size_t c = 0; c < contacts_.chunks(); ++c)
     {
-        nearLeeway_.use(c, shifted, {});
+        nearBuffer_.use(c, shifted, {});
         motion_[c].wallWay += shifted;
     }
 }
@@ -209,14 +209,14 @@ void SoftIntegrator::move(StepWeights weights, bool received)
     mean_ = (1/double(cloud_.size()))*sum;
 }
 
-/// Takes a chunk's step off its leeway.
+/// Takes a chunk's step off its buffer.
 void SoftIntegrator::follow(std::size_t chunk, const MoveWork& work)
 {
     ChunkMotion& m = motion_[chunk];
     m.speed = std::sqrt(work.fastestInFrame);
     m.wallSpeed = std::sqrt(work.fastest);
     m.wallWay += m.wallSpeed*step_;
-    nearLeeway_.use(chunk, m.speed*step_, step_*m.frame);
+    nearBuffer_.use(chunk, m.speed*step_, step_*m.frame);
     m.frame = (1/double(work.end - work.begin))*Vector3{work.sum[0], work.sum[1], work.sum[2]};
 }
 
@@ -284,7 +284,7 @@ std::size_t SoftIntegrator::bytes() const
     return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
            + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
            + works_.capacity()*sizeof(MoveWork)
-           + leeway_.bytes() + nearLeeway_.bytes();
+           + listBuffer_.bytes() + nearBuffer_.bytes();
 }
 
 } // namespace elutria::dem

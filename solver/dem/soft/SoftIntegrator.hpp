@@ -25,8 +25,8 @@ namespace elutria::dem
 /// Between evaluations Base holds v* - h phi2 a, so that v = base + h phi2 a(t+h).
 ///
 /// Three rhythms: every sub-step moves and evaluates the near pairs; these are chosen anew from the
-/// neighbour list when some may have used up their near leeway; all is sorted and searched anew when
-/// the list's own leeway leaves no room for that (Leeway). Leeways follow from the speeds, what was used
+/// neighbour list when some may have used up their near buffer; all is sorted and searched anew when
+/// the list's own buffer leaves no room for that (VerletBuffer). Verlet buffers follow from the speeds, what was used
 /// before and a fixed model of costs, never from a clock: the same input gives the same bits.
 class SoftIntegrator
 {
@@ -52,9 +52,9 @@ private:
     void rebuild();
     void measureMotion();
     void checkBox() const;
-    double widestLeeway() const;
+    double widestBuffer() const;
     void grantNear();
-    void grantLeeways();
+    void grantBuffers();
     bool searchesEveryStep() const;
     void findNeighbours();
     void refresh();
@@ -81,7 +81,7 @@ private:
     PairList list_;
     PairContacts contacts_;
     WallContacts atWalls_;
-    Leeway leeway_, nearLeeway_;             // of the neighbour list, of the near pairs
+    VerletBuffer listBuffer_, nearBuffer_;             // of the neighbour list, of the near pairs
     std::vector<ChunkMotion> motion_;
     ChunkNeighbours neighbours_;
     double sinceList_ = 0, sinceNear_ = 0;   // s

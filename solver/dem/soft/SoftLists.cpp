@@ -26,7 +26,7 @@ constexpr double pairCost = 6;           // per near pair and sub-step
 double SoftIntegrator::nearInterval() const
 {
     const double candidates = double(list_.size())/double(cloud_.size());
-    const double way = step_*nearLeeway_.meanRate()/cloud_.mean;
+    const double way = step_*nearBuffer_.meanRate()/cloud_.mean;
     const double steps = std::sqrt((refreshCost + lookCost*candidates)
                                    /(2*pairCost*density_*std::max(way, 1e-9)));
     return step_*std::clamp(steps, 2.0, 2000.0);
@@ -36,14 +36,14 @@ double SoftIntegrator::nearInterval() const
 double SoftIntegrator::listInterval() const
 {
     const double near = nearInterval();
-    const double way = step_*leeway_.meanRate()/cloud_.mean;
+    const double way = step_*listBuffer_.meanRate()/cloud_.mean;
     const double steps = std::sqrt(searchCost*near/step_
                                    /(2*lookCost*density_*std::max(way, 1e-9)));
     return std::clamp(step_*steps, 2*near, 1e5*step_);
 }
 
 /// Most that the list may grant a particle, m.
-double SoftIntegrator::widestLeeway() const
+double SoftIntegrator::widestBuffer() const
 {
     if (settings_.skin > 0) return 0.5*settings_.skin;
     if (searchesEveryStep()) return 0.025*cloud_.smallest;
@@ -67,7 +67,7 @@ bool SoftIntegrator::searchesEveryStep() const
 /// The shortest image must be the only one in reach.
 void SoftIntegrator::checkBox() const
 {
-    const double reach = 2*(cloud_.largest + widestLeeway());
+    const double reach = 2*(cloud_.largest + widestBuffer());
     for (int a = 0; a < 3; ++a)
     {
         const double length = settings_.box.high[a] - settings_.box.low[a];
@@ -121,34 +121,34 @@ void SoftIntegrator::rebuild()
     valid_ = true;
     ++rebuilds_;
     measureMotion();
-    grantLeeways();
+    grantBuffers();
     findNeighbours();
     selectNear();
     wallMargin_.resize(contacts_.chunks());
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { refreshWalls(c); });
 }
 
-/// New leeways for a new list.
-void SoftIntegrator::grantLeeways()
+/// New buffers for a new list.
+void SoftIntegrator::grantBuffers()
 {
     const std::size_t chunks = contacts_.chunks();
-    const bool first = leeway_.chunks() != chunks;
-    for (Leeway* leeway : {&leeway_, &nearLeeway_})
+    const bool first = listBuffer_.chunks() != chunks;
+    for (VerletBuffer* buffer : {&listBuffer_, &nearBuffer_})
     {
-        leeway->resize(cloud_.size(), PairContacts::chunkSize);
+        buffer->resize(cloud_.size(), PairContacts::chunkSize);
         for (std::size_t c = 0; first && c < chunks; ++c)
         {
-            leeway->expect(c, 0.5*motion_[c].speed
+            buffer->expect(c, 0.5*motion_[c].speed
                               + std::sqrt(0.2*cloud_.strongestPush*cloud_.mean));
         }
     }
     grantNear();
-    const double most = widestLeeway(), interval = listInterval();
+    const double most = widestBuffer(), interval = listInterval();
     const bool equal = settings_.skin > 0 || searchesEveryStep();
     forEach(settings_.threads, chunks, [&](std::size_t c)
     {
-        if (equal) leeway_.grant(c, cloud_, most);
-        else leeway_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearLeeway_);
+        if (equal) listBuffer_.grant(c, cloud_, most);
+        else listBuffer_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearBuffer_);
     });
     neighbours_ = chunkNeighbours(cloud_, PairContacts::chunkSize, 6*most);
     sinceList_ = 0;
@@ -157,11 +157,11 @@ void SoftIntegrator::grantLeeways()
 void SoftIntegrator::grantNear()
 {
     constexpr double least = 8;      // sub-steps of the fastest, before anyone looks closer
-    const double interval = nearInterval(), most = 0.5*widestLeeway();
+    const double interval = nearInterval(), most = 0.5*widestBuffer();
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
         const ChunkMotion& m = motion_[c];
-        nearLeeway_.grant(c, cloud_, m.frame, interval, least*m.speed*step_, most);
+        nearBuffer_.grant(c, cloud_, m.frame, interval, least*m.speed*step_, most);
     });
     sinceNear_ = 0;
 }
@@ -172,8 +172,8 @@ void SoftIntegrator::findNeighbours()
     double widest = 0;
     for (std::size_t i = 0; i < cloud_.size(); ++i)
     {
-        reach[i] = cloud_.rows[i].radius + leeway_.of(i);
-        widest += leeway_.of(i)/double(cloud_.size());
+        reach[i] = cloud_.rows[i].radius + listBuffer_.of(i);
+        widest += listBuffer_.of(i)/double(cloud_.size());
     }
     const Row* rows = cloud_.rows.data();
     const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
@@ -189,7 +189,7 @@ void SoftIntegrator::selectNear()
 {
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
-        contacts_.refresh(c, cloud_, list_, nearLeeway_);
+        contacts_.refresh(c, cloud_, list_, nearBuffer_);
     });
     contacts_.connect();
 }
@@ -198,16 +198,16 @@ void SoftIntegrator::selectNear()
 void SoftIntegrator::refresh()
 {
     const std::size_t chunks = contacts_.chunks();
-    forEach(settings_.threads, chunks, [&](std::size_t c) { nearLeeway_.measure(c, cloud_); });
-    for (std::size_t c = 0; c < chunks; ++c) nearLeeway_.learn(c, sinceNear_, neighbours_);
+    forEach(settings_.threads, chunks, [&](std::size_t c) { nearBuffer_.measure(c, cloud_); });
+    for (std::size_t c = 0; c < chunks; ++c) nearBuffer_.learn(c, sinceNear_, neighbours_);
     measureMotion();
     grantNear();
     forEach(settings_.threads, chunks,
-            [&](std::size_t c) { leeway_.measure(c, cloud_, &nearLeeway_); });
-    bool enough = leeway_.farthest() < 2*widestLeeway();
-    for (std::size_t c = 0; enough && c < chunks; ++c) enough = leeway_.suffices(c, neighbours_);
+            [&](std::size_t c) { listBuffer_.measure(c, cloud_, &nearBuffer_); });
+    bool enough = listBuffer_.farthest() < 2*widestBuffer();
+    for (std::size_t c = 0; enough && c < chunks; ++c) enough = listBuffer_.suffices(c, neighbours_);
     if (enough) return selectNear();
-    for (std::size_t c = 0; c < chunks; ++c) leeway_.learn(c, sinceList_, neighbours_);
+    for (std::size_t c = 0; c < chunks; ++c) listBuffer_.learn(c, sinceList_, neighbours_);
     rebuild();
 }
 
@@ -222,14 +222,14 @@ void SoftIntegrator::refreshWalls(std::size_t chunk)
 /// True if no touch can have been missed; looks closer where the bounds do not tell.
 bool SoftIntegrator::nearSuffices()
 {
-    if (nearLeeway_.farthest() > 2*widestLeeway()) return false;
+    if (nearBuffer_.farthest() > 2*widestBuffer()) return false;
     for (std::size_t c = 0; c < contacts_.chunks(); ++c)
     {
-        if (nearLeeway_.suffices(c, neighbours_)) continue;
-        nearLeeway_.measure(c, cloud_);
-        if (nearLeeway_.suffices(c, neighbours_, motion_[c].speed*step_)) continue;
-        for (std::uint32_t n : neighbours_[c]) nearLeeway_.measure(n, cloud_);
-        if (!nearLeeway_.suffices(c, neighbours_, motion_[c].speed*step_)) return false;
+        if (nearBuffer_.suffices(c, neighbours_)) continue;
+        nearBuffer_.measure(c, cloud_);
+        if (nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) continue;
+        for (std::uint32_t n : neighbours_[c]) nearBuffer_.measure(n, cloud_);
+        if (!nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) return false;
     }
     return true;
 }

@@ -47,19 +47,19 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, d
     return neighbours;
 }
 
-void Leeway::resize(std::size_t particles, std::size_t chunkSize)
+void VerletBuffer::resize(std::size_t particles, std::size_t chunkSize)
 {
     chunkSize_ = chunkSize;
     chunks_.resize((particles + chunkSize - 1)/chunkSize);
     anchors_.resize(particles);
 }
 
-void Leeway::expect(std::size_t c, double rate)
+void VerletBuffer::expect(std::size_t c, double rate)
 {
     chunks_[c].rate = chunks_[c].meanRate = rate;
 }
 
-void Leeway::learn(std::size_t c, double elapsed, const ChunkNeighbours& neighbours)
+void VerletBuffer::learn(std::size_t c, double elapsed, const ChunkNeighbours& neighbours)
 {
     if (!(elapsed > 0)) return;
     Chunk& chunk = chunks_[c];
@@ -70,7 +70,7 @@ void Leeway::learn(std::size_t c, double elapsed, const ChunkNeighbours& neighbo
     chunk.meanRate = chunk.rate + chunk.meanWay/elapsed;
 }
 
-double Leeway::meanRate() const
+double VerletBuffer::meanRate() const
 {
     double sum = 0;
     for (const Chunk& chunk : chunks_) sum += chunk.meanRate;
@@ -78,7 +78,7 @@ double Leeway::meanRate() const
 }
 
 /// Remembers where the particles are.
-void Leeway::anchor(std::size_t c, const SoftCloud& cloud)
+void VerletBuffer::anchor(std::size_t c, const SoftCloud& cloud)
 {
     Chunk& chunk = chunks_[c];
     chunk.origin = cloud.position(begin(c));
@@ -95,8 +95,8 @@ void Leeway::anchor(std::size_t c, const SoftCloud& cloud)
     chunk.rounding = 1.2e-7*largest;
 }
 
-void Leeway::grant(std::size_t c, const SoftCloud& cloud, const Vector3& frame, double interval,
-                   double least, double most, const Leeway* others)
+void VerletBuffer::grant(std::size_t c, const SoftCloud& cloud, const Vector3& frame, double interval,
+                   double least, double most, const VerletBuffer* others)
 {
     anchor(c, cloud);
     Chunk& chunk = chunks_[c];
@@ -106,20 +106,20 @@ void Leeway::grant(std::size_t c, const SoftCloud& cloud, const Vector3& frame, 
     for (std::size_t i = begin(c); i < end(c); ++i)
     {
         const double own = interval*norm(cloud.velocity(i) - frame);
-        const float least = others ? 2*others->anchors_[i].leeway : 0;
-        anchors_[i].leeway = std::max(float(std::min(chunk.share + own, most)), least);
-        chunk.left = std::min(chunk.left, double(anchors_[i].leeway));
+        const float least = others ? 2*others->anchors_[i].buffer : 0;
+        anchors_[i].buffer = std::max(float(std::min(chunk.share + own, most)), least);
+        chunk.left = std::min(chunk.left, double(anchors_[i].buffer));
     }
 }
 
-void Leeway::grant(std::size_t c, const SoftCloud& cloud, double equal)
+void VerletBuffer::grant(std::size_t c, const SoftCloud& cloud, double equal)
 {
     anchor(c, cloud);
     chunks_[c].share = chunks_[c].left = equal;
-    for (std::size_t i = begin(c); i < end(c); ++i) anchors_[i].leeway = float(equal);
+    for (std::size_t i = begin(c); i < end(c); ++i) anchors_[i].buffer = float(equal);
 }
 
-void Leeway::use(std::size_t c, double way, const Vector3& shift)
+void VerletBuffer::use(std::size_t c, double way, const Vector3& shift)
 {
     Chunk& chunk = chunks_[c];
     chunk.way += way;
@@ -127,7 +127,7 @@ void Leeway::use(std::size_t c, double way, const Vector3& shift)
     chunk.shift += shift;
 }
 
-void Leeway::measure(std::size_t c, const SoftCloud& cloud, const Leeway* others)
+void VerletBuffer::measure(std::size_t c, const SoftCloud& cloud, const VerletBuffer* others)
 {
     Chunk& chunk = chunks_[c];
     const bool wraps = cloud.box.any();
@@ -145,8 +145,8 @@ void Leeway::measure(std::size_t c, const SoftCloud& cloud, const Leeway* others
     for (std::size_t i = begin(c); i < end(c); ++i)
     {
         const double way = norm(gone(i) - mean);
-        const double aside = others ? others->anchors_[i].leeway : 0;
-        chunk.left = std::min(chunk.left, anchors_[i].leeway - way - aside);
+        const double aside = others ? others->anchors_[i].buffer : 0;
+        chunk.left = std::min(chunk.left, anchors_[i].buffer - way - aside);
         chunk.way = std::max(chunk.way, way);
         chunk.meanWay += way;
     }
@@ -155,7 +155,7 @@ void Leeway::measure(std::size_t c, const SoftCloud& cloud, const Leeway* others
     chunk.shift = mean;
 }
 
-bool Leeway::suffices(std::size_t c, const ChunkNeighbours& neighbours, double reserve) const
+bool VerletBuffer::suffices(std::size_t c, const ChunkNeighbours& neighbours, double reserve) const
 {
     const Chunk& chunk = chunks_[c];
     bool enough = 2*chunk.left >= reserve;
@@ -167,7 +167,7 @@ bool Leeway::suffices(std::size_t c, const ChunkNeighbours& neighbours, double r
     return enough;
 }
 
-double Leeway::farthest() const
+double VerletBuffer::farthest() const
 {
     double most = 0;
     for (const Chunk& chunk : chunks_)
@@ -177,7 +177,7 @@ double Leeway::farthest() const
     return 2*most;
 }
 
-std::size_t Leeway::bytes() const
+std::size_t VerletBuffer::bytes() const
 {
     return chunks_.capacity()*sizeof(Chunk) + anchors_.capacity()*sizeof(Anchor);
 }

@@ -24,13 +24,13 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, d
 
 /// How far particles may go before a list misses a pair, and what is left of it.
 ///
-/// A list holds the pairs whose gap is below the sum of both leeways. A particle's leeway is the way at
+/// A list holds the pairs whose gap is below the sum of both buffers. A particle's buffer is the way at
 /// its own speed over the planned interval, plus a share for surprises, learnt by each chunk from
 /// the interval before: so a few fast particles make the lists of the others neither long nor
 /// short-lived. Between steps only bounds are kept, by chunk: ways add up in the chunk's
 /// frame, frames shift against each other. measure() replaces a bound by what the particles did, which
 /// is far less where they go to and fro.
-class Leeway
+class VerletBuffer
 {
 public:
     /// Forgets what was learnt.
@@ -43,40 +43,40 @@ public:
     void expect(std::size_t chunk, double rate);
     /// Learns from what measure() found after `elapsed` s; the chunk's neighbours' shifts count.
     void learn(std::size_t chunk, double elapsed, const ChunkNeighbours& neighbours);
-    /// Mean speed at which leeways are used up, m/s.
+    /// Mean speed at which buffers are used up, m/s.
     double meanRate() const;
 
-    /// Grants all particles of the chunk a new leeway for `interval` s, from `least` to `most`, m,
+    /// Grants all particles of the chunk a new buffer for `interval` s, from `least` to `most`, m,
     /// and none below twice what `others` grant.
     void grant(std::size_t chunk, const SoftCloud& cloud, const Vector3& frame, double interval,
-               double least, double most, const Leeway* others = nullptr);
+               double least, double most, const VerletBuffer* others = nullptr);
     /// The same, equal for all, m.
     void grant(std::size_t chunk, const SoftCloud& cloud, double equal);
 
     /// Takes off a way of the fastest particle in the frame, and moves the frame.
     void use(std::size_t chunk, double way, const Vector3& shift);
     /// Finds out what is left, now and after setting aside what `others` grant each particle.
-    void measure(std::size_t chunk, const SoftCloud& cloud, const Leeway* others = nullptr);
+    void measure(std::size_t chunk, const SoftCloud& cloud, const VerletBuffer* others = nullptr);
 
     /// False if pairs of the chunk with its neighbours may have come closer by more than their
-    /// leeways less `reserve`, m.
+    /// buffers less `reserve`, m.
     bool suffices(std::size_t chunk, const ChunkNeighbours& neighbours, double reserve = 0) const;
     /// Bound of the approach of any two particles, m.
     double farthest() const;
 
-    float of(std::size_t particle) const { return anchors_[particle].leeway; }
+    float of(std::size_t particle) const { return anchors_[particle].buffer; }
     std::size_t bytes() const;
 
 private:
     struct Anchor
     {
         float x, y, z;                   // m, from the chunk's origin
-        float leeway;                    // m
+        float buffer;                    // m
     };
     struct Chunk
     {
         Vector3 origin, shift;           // m
-        double share = 0;                // m, of each leeway, for surprises
+        double share = 0;                // m, of each buffer, for surprises
         double left = 0, way = 0;        // m, least left and farthest way of a particle
         double meanWay = 0;              // m
         double rate = 0, meanRate = 0;   // m/s
