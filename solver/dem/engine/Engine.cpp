@@ -17,13 +17,13 @@ struct Engine::Implementation
     Walls walls;
     LawTable laws;
     SoftIntegrator soft;
-    Hybrid hybrid;
+    AdaptiveIntegrator adaptive;
     bool separationTold = false;       // a feed may do so in every step: once will do
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
         laws(settings.law, materials), soft(settings, materials, walls),
-        hybrid(settings, materials, walls, soft,
+        adaptive(settings, materials, walls, soft,
                [this](const Particles& p)
                { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
     {}
@@ -168,7 +168,7 @@ StepReport Engine::advance(Particles& particles, double duration)
     }
     else
     {
-        self_->hybrid.advance(particles, duration, report);
+        self_->adaptive.advance(particles, duration, report);
     }
     warn(self_->settings, report, self_->separationTold);
     return report;
@@ -178,19 +178,19 @@ void Engine::contactForces(const Particles& particles, double step, VectorArray&
                            VectorArray& torque)
 {
     check(particles, self_->materials.size());
-    self_->hybrid.usePlain();
+    self_->adaptive.useSoft();
     self_->soft.contactForces(particles, step, force, torque);
 }
 
 std::vector<ContactRecord> Engine::exportContacts() const
 {
-    return self_->softOnly() ? self_->soft.exportContacts() : self_->hybrid.exportContacts();
+    return self_->softOnly() ? self_->soft.exportContacts() : self_->adaptive.exportContacts();
 }
 
 void Engine::importContacts(const std::vector<ContactRecord>& records)
 {
     if (self_->softOnly()) self_->soft.importContacts(records);
-    else self_->hybrid.importContacts(records);
+    else self_->adaptive.importContacts(records);
 }
 
 double Engine::stepLimit(const Particles& particles, double speed) const

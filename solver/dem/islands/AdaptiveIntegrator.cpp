@@ -33,9 +33,9 @@ std::size_t contactEnds(const std::vector<ContactRecord>& records)
 } // namespace
 
 
-Hybrid::Hybrid(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-               SoftIntegrator& plain, IslandStepper::StepLimit stepLimit)
-  : settings_(settings), walls_(walls), plain_(plain), stepLimit_(stepLimit),
+AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
+               SoftIntegrator& soft, IslandStepper::StepLimit stepLimit)
+  : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit),
     laws_(settings.law, materials)
 {
     for (unsigned t = 0; t < settings.threads; ++t)
@@ -44,40 +44,40 @@ Hybrid::Hybrid(const Settings& settings, const ContactMaterials& materials, cons
 }
 
 
-std::vector<ContactRecord> Hybrid::exportContacts() const
+std::vector<ContactRecord> AdaptiveIntegrator::exportContacts() const
 {
-    std::vector<ContactRecord> records = plainRules_ ? plain_.exportContacts() : records_;
+    std::vector<ContactRecord> records = softRules_ ? soft_.exportContacts() : records_;
     std::sort(records.begin(), records.end(), recordBefore);
     return records;
 }
 
 
-void Hybrid::importContacts(const std::vector<ContactRecord>& records)
+void AdaptiveIntegrator::importContacts(const std::vector<ContactRecord>& records)
 {
     records_ = records;
     std::sort(records_.begin(), records_.end(), recordBefore);
-    plainRules_ = false;
+    softRules_ = false;
     contactEnds_ = contactEnds(records_);
 }
 
 
-void Hybrid::usePlain()
+void AdaptiveIntegrator::useSoft()
 {
-    if (plainRules_) return;
-    plain_.importContacts(records_);
-    plainRules_ = true;
+    if (softRules_) return;
+    soft_.importContacts(records_);
+    softRules_ = true;
 }
 
 
-void Hybrid::advance(Particles& particles, double duration, StepReport& report)
+void AdaptiveIntegrator::advance(Particles& particles, double duration, StepReport& report)
 {
     if (particles.size() == 0) return;
     const bool forced = settings_.treatment == ContactTreatment::impact;
     const double softStep = stepLimit_(particles);
     // from the state alone, so that a restart decides alike
     if (!forced && (duration <= fewSubSteps*softStep || 2*contactEnds_ > particles.size()))
-        return runPlain(particles, duration, report);
-    if (plainRules_) importContacts(plain_.exportContacts());
+        return runSoft(particles, duration, report);
+    if (softRules_) importContacts(soft_.exportContacts());
 
     load(particles);
     widen(particles);
@@ -95,7 +95,7 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
                 break;
             case Outcome::contactsRule:
                 store(particles);
-                return runPlain(particles, duration*(1 - done/whole), report);
+                return runSoft(particles, duration*(1 - done/whole), report);
             case Outcome::done:
                 done += length;
                 ++report.pieces;
@@ -106,7 +106,7 @@ void Hybrid::advance(Particles& particles, double duration, StepReport& report)
 }
 
 
-void Hybrid::load(const Particles& p)
+void AdaptiveIntegrator::load(const Particles& p)
 {
     const std::size_t n = p.size();
     order_.resize(n);
@@ -137,7 +137,7 @@ void Hybrid::load(const Particles& p)
 
 
 /// Where some stand for several particles, or for a share: how far and how often all meet.
-void Hybrid::widen(const Particles& p)
+void AdaptiveIntegrator::widen(const Particles& p)
 {
     weighted_ = std::any_of(start_.begin(), start_.end(),
                             [](const Traveller& t) { return t.number != 1; });
@@ -155,7 +155,7 @@ void Hybrid::widen(const Particles& p)
 }
 
 
-void Hybrid::store(Particles& p) const
+void AdaptiveIntegrator::store(Particles& p) const
 {
     const bool drag = !p.dragRate.empty();
     if (drag) p.dragImpulse.resize(p.size());
@@ -172,15 +172,15 @@ void Hybrid::store(Particles& p) const
 
 
 /// The soft law for all.
-void Hybrid::runPlain(Particles& particles, double duration, StepReport& report)
+void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepReport& report)
 {
     const Stopwatch watch(report.softSeconds);
-    const bool continued = !plainRules_ && !particles.dragRate.empty();
+    const bool continued = !softRules_ && !particles.dragRate.empty();
     const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
-    usePlain();
+    useSoft();
     const double steps =
         std::max(1.0, std::ceil(duration/stepLimit_(particles)*(1 - 1e-12)));
-    plain_.run(particles, duration, std::size_t(steps), report);
+    soft_.run(particles, duration, std::size_t(steps), report);
     for (std::size_t i = 0; i < before.size(); ++i)
         particles.dragImpulse.set(i, particles.dragImpulse[i] + before[i]);
 
@@ -189,7 +189,7 @@ void Hybrid::runPlain(Particles& particles, double duration, StepReport& report)
 
 
 /// Moves all by `duration`, or says why not and leaves them where they were.
-Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
+AdaptiveIntegrator::Outcome AdaptiveIntegrator::piece(double duration, bool mayCut, StepReport& report)
 {
     const bool forced = settings_.treatment == ContactTreatment::impact;
     {
@@ -228,7 +228,7 @@ Hybrid::Outcome Hybrid::piece(double duration, bool mayCut, StepReport& report)
 
 
 /// Whether meetings of spheres of many particles make islands that shorter pieces would not.
-bool Hybrid::crowds() const
+bool AdaptiveIntegrator::crowds() const
 {
     return weighted_ && std::any_of(islands_.begin(), islands_.end(), [](const Island& island)
     {
@@ -237,7 +237,7 @@ bool Hybrid::crowds() const
 }
 
 
-void Hybrid::finishPiece(double duration, StepReport& report)
+void AdaptiveIntegrator::finishPiece(double duration, StepReport& report)
 {
     forParticles([&](std::size_t i)
     {

@@ -35,21 +35,21 @@ namespace elutria::dem
 ///
 /// Particles are handled in the order of their ids: neither the caller's order nor the number of
 /// threads shows in the result.
-class Hybrid
+class AdaptiveIntegrator
 {
 public:
-    /// `plain` is the engine's own soft integrator; all references must outlive this object.
-    Hybrid(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-           SoftIntegrator& plain, IslandStepper::StepLimit stepLimit);
-    Hybrid(const Hybrid&) = delete;
+    /// `soft` is the engine's own soft integrator; all references must outlive this object.
+    AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
+           SoftIntegrator& soft, IslandStepper::StepLimit stepLimit);
+    AdaptiveIntegrator(const AdaptiveIntegrator&) = delete;
 
     void advance(Particles& particles, double duration, StepReport& report);
 
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
-    /// Hands the contact history to the plain engine, for a caller that asks it for forces.
-    void usePlain();
+    /// Hands the contact history to the soft integrator, for a caller that asks it for forces.
+    void useSoft();
 
 private:
     enum class Outcome { done, tooLong, contactsRule };
@@ -94,7 +94,7 @@ private:
     void load(const Particles& particles);
     void widen(const Particles& particles);
     void store(Particles& particles) const;
-    void runPlain(Particles& particles, double duration, StepReport& report);
+    void runSoft(Particles& particles, double duration, StepReport& report);
 
     Outcome piece(double duration, bool mayCut, StepReport& report);
     bool bounds(double duration);
@@ -116,13 +116,13 @@ private:
 
     const Settings& settings_;
     const Walls& walls_;
-    SoftIntegrator& plain_;
+    SoftIntegrator& soft_;
     IslandStepper::StepLimit stepLimit_;
     ImpactTable laws_;
     std::vector<std::unique_ptr<IslandStepper>> steppers_;   // one per thread
 
     std::vector<ContactRecord> records_;       // sorted by first, second
-    bool plainRules_ = false;                  // the plain engine steps and holds the history
+    bool softRules_ = false;                  // the soft integrator steps and holds the history
     std::size_t contactEnds_ = 0;              // of the history, twice for a pair
 
     std::vector<std::uint32_t> order_;         // canonical index -> caller's index

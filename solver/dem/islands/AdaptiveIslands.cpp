@@ -20,7 +20,7 @@ constexpr std::size_t fewChanged = 32;       // changed paths, each checked agai
 } // namespace
 
 
-void Hybrid::makeIslands()
+void AdaptiveIntegrator::makeIslands()
 {
     const std::size_t n = start_.size();
     sets_.reset(n);
@@ -54,7 +54,7 @@ void Hybrid::makeIslands()
 }
 
 
-void Hybrid::add(std::uint32_t particle, std::uint32_t island)
+void AdaptiveIntegrator::add(std::uint32_t particle, std::uint32_t island)
 {
     islandOf_[particle] = island;
     placeIn_[particle] = std::uint32_t(islands_[island].particles.size());
@@ -62,7 +62,7 @@ void Hybrid::add(std::uint32_t particle, std::uint32_t island)
 }
 
 
-void Hybrid::runIslands(double duration)
+void AdaptiveIntegrator::runIslands(double duration)
 {
     const std::size_t threads = rerun_.size() < manyIslands ? 1 : steppers_.size();
     forEach(settings_.threads, threads, [&](std::size_t t)
@@ -73,7 +73,7 @@ void Hybrid::runIslands(double duration)
 }
 
 
-void Hybrid::runIsland(Island& island, IslandStepper& stepper, double duration) const
+void AdaptiveIntegrator::runIsland(Island& island, IslandStepper& stepper, double duration) const
 {
     std::vector<ContactRecord> history;
     if (island.touching)
@@ -88,7 +88,7 @@ void Hybrid::runIsland(Island& island, IslandStepper& stepper, double duration) 
 }
 
 
-const std::vector<Leg>& Hybrid::path(std::uint32_t i, std::vector<Leg>& free) const
+const std::vector<Leg>& AdaptiveIntegrator::path(std::uint32_t i, std::vector<Leg>& free) const
 {
     if (islandOf_[i] != none) return islands_[islandOf_[i]].legs[placeIn_[i]];
     free.assign(1, {0, start_[i].flight, 0});
@@ -98,7 +98,7 @@ const std::vector<Leg>& Hybrid::path(std::uint32_t i, std::vector<Leg>& free) co
 
 /// Looks for hits between paths changed in the last round and paths outside their islands, merges
 /// the islands concerned; true if there are any to step again.
-bool Hybrid::mergeIslands(double duration, StepReport& report)
+bool AdaptiveIntegrator::mergeIslands(double duration, StepReport& report)
 {
     std::vector<std::uint32_t> changed;
     for (const std::uint32_t k : rerun_)
@@ -152,7 +152,7 @@ bool Hybrid::mergeIslands(double duration, StepReport& report)
 }
 
 
-void Hybrid::merge(const std::vector<Candidate>& hits, StepReport& report)
+void AdaptiveIntegrator::merge(const std::vector<Candidate>& hits, StepReport& report)
 {
     for (const Candidate& hit : hits)
         for (const std::uint32_t i : {hit.first, hit.second})

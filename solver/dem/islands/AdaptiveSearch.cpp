@@ -29,7 +29,7 @@ double squaredDistanceOfSegment(const Vector3& d, const Vector3& along)
 
 
 /// False where a path is too long for the periodic box to tell images apart.
-bool Hybrid::bounds(double duration)
+bool AdaptiveIntegrator::bounds(double duration)
 {
     const std::size_t n = start_.size();
     ends_.resize(n), bounds_.resize(n), slack_.resize(n);
@@ -54,7 +54,7 @@ bool Hybrid::bounds(double duration)
 }
 
 
-void Hybrid::findCandidates(double duration, StepReport& report)
+void AdaptiveIntegrator::findCandidates(double duration, StepReport& report)
 {
     candidates_.clear(), atWall_.clear(), touching_.clear(), overlaps_.clear();
     findBoundPairs();
@@ -73,7 +73,7 @@ void Hybrid::findCandidates(double duration, StepReport& report)
 }
 
 
-void Hybrid::findBoundPairs()
+void AdaptiveIntegrator::findBoundPairs()
 {
     const std::size_t n = bounds_.size();
     centres_.resize(n), reach_.resize(n);
@@ -87,7 +87,7 @@ void Hybrid::findBoundPairs()
 }
 
 
-void Hybrid::checkPair(std::uint32_t i, std::uint32_t j, double duration)
+void AdaptiveIntegrator::checkPair(std::uint32_t i, std::uint32_t j, double duration)
 {
     const Flight &a = start_[i].flight, &b = start_[j].flight;
     if (isWeighted(start_[i], start_[j]))
@@ -118,7 +118,7 @@ void Hybrid::checkPair(std::uint32_t i, std::uint32_t j, double duration)
 }
 
 
-Hybrid::WallLook Hybrid::lookForWalls(std::size_t i, double duration) const
+AdaptiveIntegrator::WallLook AdaptiveIntegrator::lookForWalls(std::size_t i, double duration) const
 {
     const Flight& flight = start_[i].flight;
     const double radius = start_[i].radius, shallow = radius*(1 - EventDriven::shallow);
@@ -149,7 +149,7 @@ Hybrid::WallLook Hybrid::lookForWalls(std::size_t i, double duration) const
 
 /// Moves the listed overlaps apart, both alike, and out of walls; velocities stay. No move takes a
 /// centre through a wall that its sphere is out of.
-void Hybrid::separateOverlaps(StepReport& report)
+void AdaptiveIntegrator::separateOverlaps(StepReport& report)
 {
     report.separated += overlaps_.size();
     for (int sweep = 0; sweep < separationSweeps; ++sweep)
@@ -176,7 +176,7 @@ void Hybrid::separateOverlaps(StepReport& report)
 }
 
 
-void Hybrid::moveOutOfWalls(Traveller& t) const
+void AdaptiveIntegrator::moveOutOfWalls(Traveller& t) const
 {
     t.flight.position = walls_.movedOut(t.flight.position, t.radius);
 }

@@ -92,7 +92,7 @@ double deepestOverlap(const Particles& p, const PeriodicBox& box = {})
 } // namespace
 
 
-TEST_CASE("hybrid: two spheres collide alike with impacts and with the soft law, anywhere in a step")
+TEST_CASE("adaptive: two spheres collide alike with impacts and with the soft law, anywhere in a step")
 {
     for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hertz})
         for (const double offset : {0.0, 0.4, 0.9})          // of the radii's sum: oblique
@@ -137,7 +137,7 @@ TEST_CASE("hybrid: two spheres collide alike with impacts and with the soft law,
             }
 }
 
-TEST_CASE("hybrid: chains of impacts within one step as in many short steps")
+TEST_CASE("adaptive: chains of impacts within one step as in many short steps")
 {
     std::size_t merged = 0, impacts = 0;
     for (int seed = 0; seed < 10; ++seed)
@@ -170,7 +170,7 @@ TEST_CASE("hybrid: chains of impacts within one step as in many short steps")
     CHECK(merged > 20);
 }
 
-TEST_CASE("hybrid: three spheres that meet at once are handed to the soft law")
+TEST_CASE("adaptive: three spheres that meet at once are handed to the soft law")
 {
     Particles result[2];
     for (const bool soft : {false, true})
@@ -197,7 +197,7 @@ TEST_CASE("hybrid: three spheres that meet at once are handed to the soft law")
     }
 }
 
-TEST_CASE("hybrid: particles that meet nothing fly exactly, whatever the step")
+TEST_CASE("adaptive: particles that meet nothing fly exactly, whatever the step")
 {
     Uniform random(3);
     Particles start = cloud(random, {0, 0, 0}, {1, 1, 1}, 4, 1e-4, 1e-3, 5);
@@ -225,7 +225,7 @@ TEST_CASE("hybrid: particles that meet nothing fly exactly, whatever the step")
     CHECK(norm(impulse - one.dragImpulse[1]) < 1e-13*one.mass[1]);
 }
 
-TEST_CASE("hybrid: nothing tunnels, however fast")
+TEST_CASE("adaptive: nothing tunnels, however fast")
 {
     const Walls walls(shapes::box({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.05}, 3));
     for (const double speed : {1.0, 30.0, 300.0})
@@ -248,7 +248,7 @@ TEST_CASE("hybrid: nothing tunnels, however fast")
     }
 }
 
-TEST_CASE("hybrid: a dilute gas cools as with the soft law, momentum kept, energy never grows")
+TEST_CASE("adaptive: a dilute gas cools as with the soft law, momentum kept, energy never grows")
 {
     PeriodicBox box{{0, 0, 0}, {0.02, 0.02, 0.02}, {true, true, true}};
     const double e = 0.8;
@@ -289,7 +289,7 @@ TEST_CASE("hybrid: a dilute gas cools as with the soft law, momentum kept, energ
     CHECK(temperature[0] == near(haff, 0.08));
 }
 
-TEST_CASE("hybrid: the order of the particles does not show in the result")
+TEST_CASE("adaptive: the order of the particles does not show in the result")
 {
     const Walls walls(shapes::box({0, 0, 0}, {0.064, 0.064, 0.064}, 2));
     Uniform random(9);
@@ -320,7 +320,7 @@ TEST_CASE("hybrid: the order of the particles does not show in the result")
     }
 }
 
-TEST_CASE("hybrid: a bouncing ball comes to rest, without end to no bounces")
+TEST_CASE("adaptive: a bouncing ball comes to rest, without end to no bounces")
 {
     const Walls walls(scenes::floorAt(0, 1));
     Particles p;
@@ -345,7 +345,7 @@ TEST_CASE("hybrid: a bouncing ball comes to rest, without end to no bounces")
     CHECK(p.position[0].z == near(1e-3, 1e-3));
 }
 
-TEST_CASE("hybrid: weight that works during a contact takes as much as with the soft law")
+TEST_CASE("adaptive: weight that works during a contact takes as much as with the soft law")
 {
     // drop of 0.4 m (MFiX DEM02, e 0.9): contacts of 46 and 4.6 ms against falls of 0.3 s
     for (const double stiffness : {5e4, 5e6, 5e8})
@@ -380,7 +380,7 @@ TEST_CASE("hybrid: weight that works during a contact takes as much as with the 
 }
 
 
-TEST_CASE("hybrid: overlaps without a history give no energy")
+TEST_CASE("adaptive: overlaps without a history give no energy")
 {
     for (const double depth : {1e-4, 0.01, 0.3, 0.9, 1.0})
     {
@@ -410,7 +410,7 @@ TEST_CASE("hybrid: overlaps without a history give no energy")
     CHECK(p.position[0].z >= 1e-3);
 }
 
-TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
+TEST_CASE("adaptive: a heap falls and comes to rest as with the soft law")
 {
     const Walls walls(shapes::box({0, 0, 0}, {8e-3, 8e-3, 60e-3}, 2));
     double height[2], energy[2], whole = 0;
@@ -437,7 +437,7 @@ TEST_CASE("hybrid: a heap falls and comes to rest as with the soft law")
     CHECK(energy[1] < 1e-4*whole);
 }
 
-TEST_CASE("hybrid: a sphere that falls along a wall, just clear of it, takes no sub-steps")
+TEST_CASE("adaptive: a sphere that falls along a wall, just clear of it, takes no sub-steps")
 {
     WallGeometry wall;
     shapes::addSheet(wall, {0, -1, -1}, {0, 2, 0}, {0, 0, 2}, 4, 4);
@@ -457,7 +457,7 @@ TEST_CASE("hybrid: a sphere that falls along a wall, just clear of it, takes no 
     CHECK(p.position[0].x == near((1 + 1e-6)*radius, 1e-9));
 }
 
-TEST_CASE("hybrid: a particle in a corner stays there and rests")
+TEST_CASE("adaptive: a particle in a corner stays there and rests")
 {
     const Walls walls(shapes::box({0, 0, 0}, {0.01, 0.01, 0.01}, 3));
     Particles p;
@@ -470,7 +470,7 @@ TEST_CASE("hybrid: a particle in a corner stays there and rests")
     CHECK(norm(p.velocity[0]) < 1e-4);
 }
 
-TEST_CASE("hybrid: a restart with the exported contacts goes on alike")
+TEST_CASE("adaptive: a restart with the exported contacts goes on alike")
 {
     const Walls walls(shapes::box({0, 0, 0}, {8e-3, 8e-3, 40e-3}, 2));
     for (const int restartAt : {20, 70, 140})
@@ -490,7 +490,7 @@ TEST_CASE("hybrid: a restart with the exported contacts goes on alike")
     }
 }
 
-TEST_CASE("hybrid: soak of random scenes: no nan, no escape, energy bounded")
+TEST_CASE("adaptive: soak of random scenes: no nan, no escape, energy bounded")
 {
     const char* longSoak = std::getenv("ELUTRIA_SOAK_STEPS");
     const int total = longSoak ? std::atoi(longSoak) : 2000, perScene = 50;
