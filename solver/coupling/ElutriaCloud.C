@@ -264,7 +264,7 @@ void ElutriaCloud::advanceParticles(const scalar dt)
             {
                 try
                 {
-                    report_ = contacts_->checkedEngine().advance
+                    report_ = contacts_->guardedEngine().advance
                     (
                         everyone, dt, retakes_
                     );

@@ -71,10 +71,10 @@ double forcingWork(const Particles& p, double fastest, double duration)
 } // namespace
 
 
-StepReport CheckedEngine::advance(Particles& particles, double duration, int retakes)
+StepReport GuardedEngine::advance(Particles& particles, double duration, int retakes)
 {
     const bool soft = engine_->settings().treatment == ContactTreatment::soft;
-    newcomers_.place(particles, engine_->walls(), engine_->settings().box, soft);
+    overlapRemoval_.place(particles, engine_->walls(), engine_->settings().box, soft);
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
     const Settings settings = engine_->settings();
@@ -143,7 +143,7 @@ StepReport CheckedEngine::advance(Particles& particles, double duration, int ret
 }
 
 
-void CheckedEngine::reset(const Settings& settings)
+void GuardedEngine::reset(const Settings& settings)
 {
     const std::vector<ContactRecord> history = engine_->exportContacts();
     engine_ = std::make_unique<Engine>(settings, engine_->materials(), engine_->walls());
@@ -151,7 +151,7 @@ void CheckedEngine::reset(const Settings& settings)
 }
 
 
-void CheckedEngine::refine(double factor, const std::vector<ContactRecord>& history)
+void GuardedEngine::refine(double factor, const std::vector<ContactRecord>& history)
 {
     Settings finer = engine_->settings();
     if (finer.step > 0) finer.step *= factor;
@@ -161,7 +161,7 @@ void CheckedEngine::refine(double factor, const std::vector<ContactRecord>& hist
 }
 
 
-double CheckedEngine::energyAllowed(const Particles& before, const Particles& after,
+double GuardedEngine::energyAllowed(const Particles& before, const Particles& after,
                                     double duration) const
 {
     const ContactLaw law = engine_->settings().law;
@@ -199,7 +199,7 @@ double CheckedEngine::energyAllowed(const Particles& before, const Particles& af
 }
 
 
-std::string CheckedEngine::unsound(const Particles& before, const Particles& after,
+std::string GuardedEngine::unsound(const Particles& before, const Particles& after,
                                    double duration) const
 {
     for (std::size_t i = 0; i < after.size(); ++i)

@@ -14,12 +14,12 @@ namespace elutria::dem
 /// held. A call that fails is made again from the state before it with half the sub-step, which is
 /// kept from then on. With the soft law for all, spheres that enter are made room for first (the
 /// other treatments do so themselves).
-class CheckedEngine
+class GuardedEngine
 {
 public:
     /// A sub-step that was asked for in seconds (Settings::step) is lowered, with a warning, where it
     /// is longer than `largestFraction` of the shortest contact.
-    explicit CheckedEngine(std::unique_ptr<Engine> engine, double largestFraction = 1e300)
+    explicit GuardedEngine(std::unique_ptr<Engine> engine, double largestFraction = 1e300)
       : engine_(std::move(engine)), largestFraction_(largestFraction)
     {}
 
@@ -38,7 +38,7 @@ private:
     void reset(const Settings& settings);
 
     std::unique_ptr<Engine> engine_;
-    Newcomers newcomers_;
+    OverlapRemoval overlapRemoval_;
     double largestFraction_;
     bool overlapKnown_ = false;     // of the contacts at the start of the next call
     double overlap_ = 0;            // over the smaller radius

@@ -37,7 +37,7 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
 } // namespace
 
 
-void Newcomers::place(Particles& particles, const Walls& walls, const PeriodicBox& box,
+void OverlapRemoval::place(Particles& particles, const Walls& walls, const PeriodicBox& box,
                       bool spheres)
 {
     std::uint64_t latest = latest_;

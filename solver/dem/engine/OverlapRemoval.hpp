@@ -11,9 +11,9 @@ namespace elutria::dem
 
 /// Makes room for spheres that enter between calls: one that overlaps a wall or another sphere is
 /// moved out of it, so that no contact energy comes from nowhere (of spheres, the impacts' search
-/// takes care). Newcomers have larger ids than
+/// takes care). OverlapRemoval have larger ids than
 /// all before; those of the first call are taken as they are.
-class Newcomers
+class OverlapRemoval
 {
 public:
     /// Moves only newcomers, out of walls and, if asked, of `spheres`; a crowd may leave some

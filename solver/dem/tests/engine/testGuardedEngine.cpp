@@ -44,9 +44,9 @@ struct Crowd
         }
     }
 
-    CheckedEngine engine() const
+    GuardedEngine engine() const
     {
-        return CheckedEngine(std::make_unique<Engine>(settings, materials));
+        return GuardedEngine(std::make_unique<Engine>(settings, materials));
     }
 };
 
@@ -68,7 +68,7 @@ TEST_CASE("a step far too large is taken again until it makes no energy")
     catch (const std::exception&) { diverged = true; }
     CHECK(diverged);
 
-    CheckedEngine engine = crowd.engine();
+    GuardedEngine engine = crowd.engine();
     for (int k = 0; k < 50; ++k) engine.advance(crowd.particles, 2e-4, 8);
     CHECK(engine.engine().settings().step < crowd.settings.step);
     CHECK(kineticEnergy(crowd.particles) < 10*before);
@@ -77,7 +77,7 @@ TEST_CASE("a step far too large is taken again until it makes no energy")
 TEST_CASE("an asked step is kept below a share of the shortest contact")
 {
     Crowd crowd(1e-4);
-    CheckedEngine engine(std::make_unique<Engine>(crowd.settings, crowd.materials), 0.2);
+    GuardedEngine engine(std::make_unique<Engine>(crowd.settings, crowd.materials), 0.2);
     const StepReport report = engine.advance(crowd.particles, 2e-4, 0);
     CHECK(!report.warnings.empty());
     CHECK(report.warnings.front().find("contact step 0.0001 s") == 0);
@@ -88,7 +88,7 @@ TEST_CASE("an asked step is kept below a share of the shortest contact")
 TEST_CASE("a sound step is the engine's own")
 {
     Crowd crowd(0), plain = crowd;
-    CheckedEngine engine = crowd.engine();
+    GuardedEngine engine = crowd.engine();
     Engine bare(plain.settings, plain.materials);
     for (int k = 0; k < 5; ++k)
     {
@@ -103,7 +103,7 @@ TEST_CASE("a sound step is the engine's own")
 TEST_CASE("a sphere that enters within another gives no energy")
 {
     Crowd crowd(0);
-    CheckedEngine engine = crowd.engine();
+    GuardedEngine engine = crowd.engine();
     engine.advance(crowd.particles, 2e-4, 0);
     const double before = kineticEnergy(crowd.particles);
     Particles& p = crowd.particles;
@@ -119,7 +119,7 @@ TEST_CASE("a sphere that enters with a side in a wall is put beside it, and noth
     {
         Settings settings;
         settings.treatment = treatment;
-        CheckedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
+        GuardedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
                                                       Walls(floorAt(0, 1))));
         Particles p;
         addSphere(p, {0, 0, 0.01}, 1e-3, 2500);
@@ -140,7 +140,7 @@ TEST_CASE("spheres that enter between a wall and others stay on its side")
         CAPTURE(kind);
         Settings settings;
         settings.treatment = treatment;
-        CheckedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
+        GuardedEngine engine(std::make_unique<Engine>(settings, oneMaterial({}),
                                                       Walls(floorAt(0, 1))));
         Particles p;
         addSphere(p, {0, 0, 1e-3}, 1e-3, 2500);
@@ -166,7 +166,7 @@ TEST_CASE("spheres that enter between a wall and others stay on its side")
 TEST_CASE("what stays unsound ends with the state before it")
 {
     Crowd crowd(1e-4);
-    CheckedEngine engine = crowd.engine();
+    GuardedEngine engine = crowd.engine();
     engine.advance(crowd.particles, 1e-6, 0);
     Particles last = crowd.particles;
     try
