@@ -16,7 +16,7 @@ constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
 constexpr std::uint32_t mostForcedImpacts = 1000;    // also meetings of weighted spheres
 constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
 
-ImpactBody bodyOf(const Traveller& t)
+ImpactBody bodyOf(const ParticleState& t)
 {
     return {t.radius, 1/t.mass, t.flight.velocity, t.spin};
 }
@@ -24,10 +24,10 @@ ImpactBody bodyOf(const Traveller& t)
 } // namespace
 
 
-double EventDriven::run(std::vector<Traveller>& members, double begin, double end,
-                        std::uint64_t draw, std::vector<std::vector<Leg>>& legs)
+double EventDriven::run(std::vector<ParticleState>& members, double begin, double end,
+                        std::uint64_t draw, std::vector<std::vector<PathSegment>>& segments)
 {
-    members_ = &members, legs_ = &legs, end_ = end, draw_ = draw;
+    members_ = &members, paths_ = &segments, end_ = end, draw_ = draw;
     impacts_ = 0;
     largestOverlap_ = 0;
     busyUntil_ = begin;
@@ -38,7 +38,7 @@ double EventDriven::run(std::vector<Traveller>& members, double begin, double en
         states_[i].since = begin;
         states_[i].bound = boundOf(members[i].flight, members[i].reach, end - begin);
         states_[i].end = members[i].flight.at(end - begin).position;
-        legs[i].push_back({begin, members[i].flight, 0});
+        segments[i].push_back({begin, members[i].flight, 0});
     }
     predictAll();
 
@@ -100,7 +100,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     const double reach = sa.bound.reach + sb.bound.reach;
     if (squaredNorm(apart) >= reach*reach) return;
 
-    const Traveller &ta = (*members_)[a], &tb = (*members_)[b];
+    const ParticleState &ta = (*members_)[a], &tb = (*members_)[b];
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
     if (isWeighted(ta, tb))
@@ -126,14 +126,14 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
 
 MeetingChances EventDriven::chances(std::uint32_t a, std::uint32_t b) const
 {
-    return {draw_, (*members_)[a], (*legs_)[a].size() - 1, (*members_)[b], (*legs_)[b].size() - 1};
+    return {draw_, (*members_)[a], (*paths_)[a].size() - 1, (*members_)[b], (*paths_)[b].size() - 1};
 }
 
 
 void EventDriven::predictWall(std::uint32_t a, double from)
 {
     State& state = states_[a];
-    const Traveller& t = (*members_)[a];
+    const ParticleState& t = (*members_)[a];
     const double time = end_ - from;
     walls_.collect(t.flight.position, t.flight.at(time).position,
                    t.radius + t.flight.chordDeviation(time), images_);
@@ -158,7 +158,7 @@ void EventDriven::fly(std::uint32_t a, double to)
 {
     State& state = states_[a];
     if (to == state.since) return;
-    Traveller& t = (*members_)[a];
+    ParticleState& t = (*members_)[a];
     t.dragGain += t.flight.dragGain(to - state.since, t.force);
     t.flight = t.flight.at(to - state.since);
     state.since = to;
@@ -171,9 +171,9 @@ void EventDriven::remember(double time)
     c.time = time;
     c.members = *members_;
     c.impacts = impacts_;
-    c.since.clear(), c.legs.clear();
+    c.since.clear(), c.segments.clear();
     for (const State& state : states_) c.since.push_back(state.since);
-    for (const std::vector<Leg>& legs : *legs_) c.legs.push_back(legs.size());
+    for (const std::vector<PathSegment>& segments : *paths_) c.segments.push_back(segments.size());
 }
 
 
@@ -185,7 +185,7 @@ double EventDriven::goBack()
     for (std::size_t i = 0; i < states_.size(); ++i)
     {
         states_[i].since = c.since[i];
-        (*legs_)[i].resize(c.legs[i]);
+        (*paths_)[i].resize(c.segments[i]);
     }
     return c.time;
 }
@@ -217,7 +217,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
 
     fly(a, time);
     if (!onWall) fly(b, time);
-    const Traveller& ta = (*members_)[a];
+    const ParticleState& ta = (*members_)[a];
     ImpactBody bodyA = bodyOf(ta), bodyB;
     Vector3 normal, acceleration = ta.flight.acceleration;
     std::uint32_t other;
@@ -228,7 +228,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     }
     else
     {
-        const Traveller& tb = (*members_)[b];
+        const ParticleState& tb = (*members_)[b];
         bodyB = bodyOf(tb);
         normal = box_.shortest(ta.flight.position - tb.flight.position);
         other = tb.material;
@@ -273,7 +273,7 @@ void EventDriven::meetWeighted(const Event& event)
 {
     fly(event.a, event.time);
     fly(event.b, event.time);
-    const Traveller &ta = (*members_)[event.a], &tb = (*members_)[event.b];
+    const ParticleState &ta = (*members_)[event.a], &tb = (*members_)[event.b];
     ImpactBody bodyA = bodyOf(ta), bodyB = bodyOf(tb);
     MeetingChances chances = this->chances(event.a, event.b);
     chances.next();                    // has said when
@@ -312,7 +312,7 @@ void EventDriven::predictAfter(const Event& event, bool changedA, bool changedB)
 
 void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
 {
-    Traveller& t = (*members_)[a];
+    ParticleState& t = (*members_)[a];
     State& state = states_[a];
     t.flight.acceleration -= t.flight.rate*(after.velocity - t.flight.velocity);
     t.flight.velocity = after.velocity;
@@ -320,9 +320,9 @@ void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
     state.bound = boundOf(t.flight, t.reach, end_ - state.since);
     state.end = t.flight.at(end_ - state.since).position;
     ++state.version;
-    std::vector<Leg>& legs = (*legs_)[a];
-    if (legs.back().begin == state.since) legs.pop_back();
-    legs.push_back({state.since, t.flight, 0});
+    std::vector<PathSegment>& segments = (*paths_)[a];
+    if (segments.back().begin == state.since) segments.pop_back();
+    segments.push_back({state.since, t.flight, 0});
 }
 
 } // namespace elutria::dem

@@ -13,7 +13,7 @@ namespace elutria::dem
 class MeetingChances;
 
 /// A sphere on its way through one gas step; `flight` is given at the moment reached so far.
-struct Traveller
+struct ParticleState
 {
     std::uint64_t id = 0;
     std::uint32_t material = 0;
@@ -29,7 +29,7 @@ struct Traveller
 };
 
 /// A piece of a path: a flight from `begin` on, known to within `slack`.
-struct Leg
+struct PathSegment
 {
     double begin = 0;              // s
     Flight flight;
@@ -71,9 +71,9 @@ public:
     {}
 
     /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
-    /// hand-over. `legs[i]` gets each new leg of member i's path. `draw`: see weights.hpp.
-    double run(std::vector<Traveller>& members, double begin, double end, std::uint64_t draw,
-               std::vector<std::vector<Leg>>& legs);
+    /// hand-over. `segments[i]` gets each new segment of member i's path. `draw`: see weights.hpp.
+    double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t draw,
+               std::vector<std::vector<PathSegment>>& segments);
 
     std::size_t impacts() const { return impacts_; }
     /// That the impacts would have had, over the radius.
@@ -97,7 +97,7 @@ private:
     };
     struct State
     {
-        double since;                    // time at which the traveller's flight is given
+        double since;                    // time at which the particle's flight is given
         Bound bound;                     // of the path from there to the end
         Vector3 end;                     // of the path
         std::uint32_t version = 0, impacts = 0, meetings = 0;   // meetings: of weighted spheres
@@ -124,9 +124,9 @@ private:
     struct Checkpoint
     {
         double time = 0;
-        std::vector<Traveller> members;
+        std::vector<ParticleState> members;
         std::vector<double> since;
-        std::vector<std::size_t> legs;
+        std::vector<std::size_t> segments;
         std::size_t impacts = 0;
     };
 
@@ -137,8 +137,8 @@ private:
     std::size_t impacts_ = 0;
     double largestOverlap_ = 0;
 
-    std::vector<Traveller>* members_ = nullptr;
-    std::vector<std::vector<Leg>>* legs_ = nullptr;
+    std::vector<ParticleState>* members_ = nullptr;
+    std::vector<std::vector<PathSegment>>* paths_ = nullptr;
     double end_ = 0;
     std::uint64_t draw_ = 0;
     std::vector<State> states_;

@@ -38,13 +38,13 @@ inline double contactCorrelation(double solidFraction)
     return (1 - 0.5*solids)/(room*room*room);
 }
 
-inline bool isWeighted(const Traveller& a, const Traveller& b)
+inline bool isWeighted(const ParticleState& a, const ParticleState& b)
 {
     return a.number != 1 || b.number != 1;
 }
 
 /// By how much a pair's cross-section is larger than its spheres', in a dilute cloud.
-inline double crossSectionFactor(const Traveller& a, const Traveller& b)
+inline double crossSectionFactor(const ParticleState& a, const ParticleState& b)
 {
     return std::max(a.number, b.number);
 }
@@ -66,17 +66,17 @@ inline std::uint64_t scrambled(std::uint64_t z)
     return z ^ (z >> 33);
 }
 
-/// Reproducible numbers in [0, 1) for a pair on certain legs of its paths. They depend on the piece
+/// Reproducible numbers in [0, 1) for a pair on certain segments of its paths. They depend on the piece
 /// of a step (`draw`), and on no value that rounding could change.
 class MeetingChances
 {
 public:
-    MeetingChances(std::uint64_t draw, const Traveller& a, std::size_t legA, const Traveller& b,
-                   std::size_t legB)
+    MeetingChances(std::uint64_t draw, const ParticleState& a, std::size_t segmentA, const ParticleState& b,
+                   std::size_t segmentB)
         : state_(draw)
     {
-        if (a.id > b.id) add(b.id), add(a.id), add(legB), add(legA);
-        else add(a.id), add(b.id), add(legA), add(legB);
+        if (a.id > b.id) add(b.id), add(a.id), add(segmentB), add(segmentA);
+        else add(a.id), add(b.id), add(segmentA), add(segmentB);
     }
 
     double next()
@@ -106,7 +106,7 @@ struct Passage
 };
 
 /// When a pair with a weight meets by chance, the first of its chances; never if not.
-inline double meetingByChance(const Traveller& a, const Traveller& b, const Passage& passage,
+inline double meetingByChance(const ParticleState& a, const ParticleState& b, const Passage& passage,
                               MeetingChances chances)
 {
     const double distance = a.reach + b.reach, length2 = squaredNorm(passage.way);

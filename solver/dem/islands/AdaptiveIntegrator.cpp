@@ -118,7 +118,7 @@ void AdaptiveIntegrator::load(const Particles& p)
     forParticles([&](std::size_t i)
     {
         const std::uint32_t k = order_[i];
-        Traveller& t = start_[i];
+        ParticleState& t = start_[i];
         t.id = p.id[k], t.material = p.material[k], t.mass = p.mass[k];
         t.radius = t.reach = p.radius[k];
         t.number = p.number.empty() ? 1 : p.number[k];
@@ -140,7 +140,7 @@ void AdaptiveIntegrator::load(const Particles& p)
 void AdaptiveIntegrator::widen(const Particles& p)
 {
     weighted_ = std::any_of(start_.begin(), start_.end(),
-                            [](const Traveller& t) { return t.number != 1; });
+                            [](const ParticleState& t) { return t.number != 1; });
     if (!weighted_) return;
     double room = never;                  // in the periodic box, so that images stay apart
     for (int axis = 0; axis < 3; ++axis)
@@ -148,7 +148,7 @@ void AdaptiveIntegrator::widen(const Particles& p)
             room = std::min(room, (settings_.box.high[axis] - settings_.box.low[axis])/16);
     for (std::size_t i = 0; i < start_.size(); ++i)
     {
-        Traveller& t = start_[i];
+        ParticleState& t = start_[i];
         t.reach = std::max(t.radius, std::min(meetingReach(t.radius, t.number), room));
         if (!p.solidFraction.empty()) t.crowding = contactCorrelation(p.solidFraction[order_[i]]);
     }
@@ -162,7 +162,7 @@ void AdaptiveIntegrator::store(Particles& p) const
     forParticles([&](std::size_t i)
     {
         const std::uint32_t k = order_[i];
-        const Traveller& t = start_[i];
+        const ParticleState& t = start_[i];
         p.position.set(k, settings_.box.wrapped(t.flight.position));
         p.velocity.set(k, t.flight.velocity);
         p.spin.set(k, t.spin);
@@ -241,7 +241,7 @@ void AdaptiveIntegrator::finishPiece(double duration, StepReport& report)
 {
     forParticles([&](std::size_t i)
     {
-        Traveller& t = start_[i];
+        ParticleState& t = start_[i];
         if (islandOf_[i] != none)
         {
             t = islands_[islandOf_[i]].end[placeIn_[i]];

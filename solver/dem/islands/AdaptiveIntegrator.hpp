@@ -104,14 +104,14 @@ private:
     void checkPair(std::uint32_t i, std::uint32_t j, double duration);
     WallLook lookForWalls(std::size_t i, double duration) const;
     void separateOverlaps(StepReport& report);
-    void moveOutOfWalls(Traveller& t) const;
+    void moveOutOfWalls(ParticleState& t) const;
     void makeIslands();
     void add(std::uint32_t particle, std::uint32_t island);
     void runIslands(double duration);
     void runIsland(Island& island, IslandStepper& stepper, double duration) const;
     bool mergeIslands(double duration, StepReport& report);
     void merge(const std::vector<Candidate>& hits, StepReport& report);
-    const std::vector<Leg>& path(std::uint32_t i, std::vector<Leg>& free) const;
+    const std::vector<PathSegment>& path(std::uint32_t i, std::vector<PathSegment>& free) const;
     void finishPiece(double duration, StepReport& report);
 
     const Settings& settings_;
@@ -126,7 +126,7 @@ private:
     std::size_t contactEnds_ = 0;              // of the history, twice for a pair
 
     std::vector<std::uint32_t> order_;         // canonical index -> caller's index
-    std::vector<Traveller> start_;             // state at the start of the piece
+    std::vector<ParticleState> start_;             // state at the start of the piece
     std::vector<Flight> ends_;                 // of the free flights
     std::vector<double> slack_;                // m, deviation from the chord
     bool weighted_ = false;                    // any of many particles, or of a share

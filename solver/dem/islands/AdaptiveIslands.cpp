@@ -88,9 +88,9 @@ void AdaptiveIntegrator::runIsland(Island& island, IslandStepper& stepper, doubl
 }
 
 
-const std::vector<Leg>& AdaptiveIntegrator::path(std::uint32_t i, std::vector<Leg>& free) const
+const std::vector<PathSegment>& AdaptiveIntegrator::path(std::uint32_t i, std::vector<PathSegment>& free) const
 {
-    if (islandOf_[i] != none) return islands_[islandOf_[i]].legs[placeIn_[i]];
+    if (islandOf_[i] != none) return islands_[islandOf_[i]].segments[placeIn_[i]];
     free.assign(1, {0, start_[i].flight, 0});
     return free;
 }
@@ -107,9 +107,9 @@ bool AdaptiveIntegrator::mergeIslands(double duration, StepReport& report)
         for (std::size_t p = 0; p < island.particles.size(); ++p)
         {
             const std::uint32_t i = island.particles[p];
-            const std::vector<Leg>& legs = island.legs[p];
-            bounds_[i] = boundOf(legs, start_[i].reach, duration, frame_);
-            if (legs.size() > 1 || legs[0].slack > 0) changed.push_back(i);
+            const std::vector<PathSegment>& segments = island.segments[p];
+            bounds_[i] = boundOf(segments, start_[i].reach, duration, frame_);
+            if (segments.size() > 1 || segments[0].slack > 0) changed.push_back(i);
         }
     }
     rerun_.clear();
@@ -119,7 +119,7 @@ bool AdaptiveIntegrator::mergeIslands(double duration, StepReport& report)
     for (const std::uint32_t i : changed) isChanged_[i] = true;
 
     std::vector<Candidate> hits;
-    std::vector<Leg> freeA, freeB;
+    std::vector<PathSegment> freeA, freeB;
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (islandOf_[i] == islandOf_[j] && islandOf_[i] != none) return;

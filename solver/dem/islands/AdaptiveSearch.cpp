@@ -155,10 +155,10 @@ void AdaptiveIntegrator::separateOverlaps(StepReport& report)
     for (int sweep = 0; sweep < separationSweeps; ++sweep)
         for (const Candidate& overlap : overlaps_)
         {
-            Traveller& a = start_[overlap.first];
+            ParticleState& a = start_[overlap.first];
             moveOutOfWalls(a);
             if (overlap.second == none) continue;
-            Traveller& b = start_[overlap.second];
+            ParticleState& b = start_[overlap.second];
             moveOutOfWalls(b);
             Vector3 apart = settings_.box.shortest(a.flight.position - b.flight.position);
             const double distance = norm(apart), sum = a.radius + b.radius;
@@ -176,7 +176,7 @@ void AdaptiveIntegrator::separateOverlaps(StepReport& report)
 }
 
 
-void AdaptiveIntegrator::moveOutOfWalls(Traveller& t) const
+void AdaptiveIntegrator::moveOutOfWalls(ParticleState& t) const
 {
     t.flight.position = walls_.movedOut(t.flight.position, t.radius);
 }

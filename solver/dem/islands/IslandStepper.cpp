@@ -23,15 +23,15 @@ Settings forIslands(Settings settings)
     return settings;
 }
 
-double endOf(const std::vector<Leg>& legs, std::size_t k, double duration)
+double endOf(const std::vector<PathSegment>& segments, std::size_t k, double duration)
 {
-    return k + 1 < legs.size() ? legs[k + 1].begin : duration;
+    return k + 1 < segments.size() ? segments[k + 1].begin : duration;
 }
 
-bool onFreeFlight(const Traveller& start, const Leg& leg)
+bool onFreeFlight(const ParticleState& start, const PathSegment& segment)
 {
-    const Vector3 &v = leg.flight.velocity, &free = start.flight.velocity;
-    return leg.begin == 0 && leg.slack == 0 && v.x == free.x && v.y == free.y && v.z == free.z;
+    const Vector3 &v = segment.flight.velocity, &free = start.flight.velocity;
+    return segment.begin == 0 && segment.slack == 0 && v.x == free.x && v.y == free.y && v.z == free.z;
 }
 
 bool flightsMeet(const Flight& a, const Flight& b, double distance, const PeriodicBox& box,
@@ -53,13 +53,13 @@ IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& m
 {}
 
 
-void IslandStepper::run(Island& island, const std::vector<Traveller>& start, double duration,
+void IslandStepper::run(Island& island, const std::vector<ParticleState>& start, double duration,
                         std::uint64_t draw, const std::vector<ContactRecord>& history)
 {
     const std::size_t n = island.particles.size();
     island.end.clear();
     for (const std::uint32_t i : island.particles) island.end.push_back(start[i]);
-    island.legs.assign(n, {});
+    island.segments.assign(n, {});
     island.impacts = island.subSteps = 0;
     island.shortestStep = 1e300;
     island.largestOverlap = island.impactSeconds = island.softSeconds = 0;
@@ -73,7 +73,7 @@ void IslandStepper::run(Island& island, const std::vector<Traveller>& start, dou
         if (!touching)
         {
             const Stopwatch watch(island.impactSeconds);
-            time = events_.run(island.end, time, duration, draw, island.legs);
+            time = events_.run(island.end, time, duration, draw, island.segments);
             island.impacts += events_.impacts();
             island.largestOverlap = std::max(island.largestOverlap, events_.largestOverlap());
         }
@@ -94,7 +94,7 @@ void IslandStepper::startSoft(const std::vector<ContactRecord>& history)
 }
 
 
-void IslandStepper::gather(const std::vector<Traveller>& members)
+void IslandStepper::gather(const std::vector<ParticleState>& members)
 {
     Particles& p = gathered_;
     const std::size_t n = members.size();
@@ -105,7 +105,7 @@ void IslandStepper::gather(const std::vector<Traveller>& members)
         array->resize(n);
     for (std::size_t i = 0; i < n; ++i)
     {
-        const Traveller& t = members[i];
+        const ParticleState& t = members[i];
         p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
         p.dragRate[i] = t.flight.rate;
         p.number[i] = t.number;
@@ -136,14 +136,14 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
     island.largestOverlap = std::max(island.largestOverlap, report.largestOverlap);
     for (std::size_t i = 0; i < island.end.size(); ++i)
     {
-        Traveller& t = island.end[i];
+        ParticleState& t = island.end[i];
         const Vector3 moved =
             settings_.box.shortest(gathered_.position[i] - t.flight.position);
         const Vector3 velocity = gathered_.velocity[i];
-        Leg leg{begin, {}, 0.5*time*norm(velocity - t.flight.velocity)};
-        leg.flight.position = t.flight.position;
-        leg.flight.velocity = (1/time)*moved;
-        island.legs[i].push_back(leg);
+        PathSegment segment{begin, {}, 0.5*time*norm(velocity - t.flight.velocity)};
+        segment.flight.position = t.flight.position;
+        segment.flight.velocity = (1/time)*moved;
+        island.segments[i].push_back(segment);
         t.flight = Flight(t.flight.position + moved, velocity, t.force, t.gasVelocity,
                           t.flight.rate);
         t.spin = gathered_.spin[i];
@@ -153,22 +153,22 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
 }
 
 
-bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Traveller& b,
-               const std::vector<Leg>& legsB, std::uint64_t draw, const PeriodicBox& box,
+bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, const ParticleState& b,
+               const std::vector<PathSegment>& pathB, std::uint64_t draw, const PeriodicBox& box,
                double duration)
 {
     std::size_t i = 0, j = 0;
-    while (i < legsA.size() && j < legsB.size())
+    while (i < pathA.size() && j < pathB.size())
     {
-        const Leg &legA = legsA[i], &legB = legsB[j];
-        const double endA = endOf(legsA, i, duration), endB = endOf(legsB, j, duration);
-        const double begin = std::max(legA.begin, legB.begin), end = std::min(endA, endB);
-        const bool stillFree = onFreeFlight(a, legA) && onFreeFlight(b, legB);   // looked at before
+        const PathSegment &segmentA = pathA[i], &segmentB = pathB[j];
+        const double endA = endOf(pathA, i, duration), endB = endOf(pathB, j, duration);
+        const double begin = std::max(segmentA.begin, segmentB.begin), end = std::min(endA, endB);
+        const bool stillFree = onFreeFlight(a, segmentA) && onFreeFlight(b, segmentB);   // looked at before
         if (end > begin && !stillFree)
         {
-            const Flight fa = legA.flight.at(begin - legA.begin);
-            const Flight fb = legB.flight.at(begin - legB.begin);
-            const double slack = legA.slack + legB.slack, rest = duration - begin;
+            const Flight fa = segmentA.flight.at(begin - segmentA.begin);
+            const Flight fb = segmentB.flight.at(begin - segmentB.begin);
+            const double slack = segmentA.slack + segmentB.slack, rest = duration - begin;
             if (!isWeighted(a, b))
             {
                 if (flightsMeet(fa, fb, a.radius + b.radius + slack, box, end - begin)) return true;
@@ -187,17 +187,17 @@ bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Travelle
 }
 
 
-Bound boundOf(const std::vector<Leg>& legs, double radius, double duration, const Vector3& frame)
+Bound boundOf(const std::vector<PathSegment>& segments, double radius, double duration, const Vector3& frame)
 {
-    Vector3 low = legs[0].flight.position, high = low;
+    Vector3 low = segments[0].flight.position, high = low;
     double slack = 0;
-    for (std::size_t k = 0; k < legs.size(); ++k)
+    for (std::size_t k = 0; k < segments.size(); ++k)
     {
-        const double time = endOf(legs, k, duration) - legs[k].begin;
-        slack = std::max(slack, legs[k].slack + legs[k].flight.chordDeviation(time));
+        const double time = endOf(segments, k, duration) - segments[k].begin;
+        slack = std::max(slack, segments[k].slack + segments[k].flight.chordDeviation(time));
         for (const double t : {0.0, time})
         {
-            const Vector3 p = legs[k].flight.at(t).position - (legs[k].begin + t)*frame;
+            const Vector3 p = segments[k].flight.at(t).position - (segments[k].begin + t)*frame;
             for (int axis = 0; axis < 3; ++axis)
             {
                 low[axis] = std::min(low[axis], p[axis]);

@@ -19,8 +19,8 @@ struct Island
     bool touching = false;                     // contacts with a history at the start
 
     // results
-    std::vector<Traveller> end;                // of each particle
-    std::vector<std::vector<Leg>> legs;        // its path
+    std::vector<ParticleState> end;                // of each particle
+    std::vector<std::vector<PathSegment>> segments;        // its path
     std::vector<ContactRecord> contacts;       // that last beyond the step
     std::size_t impacts = 0, subSteps = 0;
     double shortestStep = 0, largestOverlap = 0;
@@ -42,13 +42,13 @@ public:
 
     /// From the `start` of each of the island's particles (indexed by particle) on; `history` holds
     /// the island's contacts; `draw`: see weights.hpp.
-    void run(Island& island, const std::vector<Traveller>& start, double duration,
+    void run(Island& island, const std::vector<ParticleState>& start, double duration,
              std::uint64_t draw, const std::vector<ContactRecord>& history);
 
 private:
     double softChunk(Island& island, double begin, double end, bool& touching);
     void startSoft(const std::vector<ContactRecord>& history);
-    void gather(const std::vector<Traveller>& members);
+    void gather(const std::vector<ParticleState>& members);
 
     Settings settings_;
     const ContactMaterials& materials_;
@@ -60,11 +60,11 @@ private:
 };
 
 /// Whether two spheres meet before `duration` on their paths.
-bool pathsMeet(const Traveller& a, const std::vector<Leg>& legsA, const Traveller& b,
-               const std::vector<Leg>& legsB, std::uint64_t draw, const PeriodicBox& box,
+bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, const ParticleState& b,
+               const std::vector<PathSegment>& pathB, std::uint64_t draw, const PeriodicBox& box,
                double duration);
 
 /// Bound of a whole path, in a frame that moves with `frame`.
-Bound boundOf(const std::vector<Leg>& legs, double radius, double duration, const Vector3& frame);
+Bound boundOf(const std::vector<PathSegment>& segments, double radius, double duration, const Vector3& frame);
 
 } // namespace elutria::dem
