@@ -25,9 +25,9 @@ ImpactBody bodyOf(const ParticleState& t)
 
 
 double EventDriven::run(std::vector<ParticleState>& members, double begin, double end,
-                        std::uint64_t draw, std::vector<std::vector<PathSegment>>& segments)
+                        std::uint64_t seed, std::vector<std::vector<PathSegment>>& segments)
 {
-    members_ = &members, paths_ = &segments, end_ = end, draw_ = draw;
+    members_ = &members, paths_ = &segments, end_ = end, seed_ = seed;
     impacts_ = 0;
     largestOverlap_ = 0;
     busyUntil_ = begin;
@@ -106,7 +106,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     if (isWeighted(ta, tb))
     {
         const Passage passage(from, end_, fa.position, sa.end, fb.position, sb.end, box_);
-        const double time = meetingByChance(ta, tb, passage, chances(a, b));
+        const double time = stochasticCollision(ta, tb, passage, randomStream(a, b));
         if (time < never) push({time, a, b, sa.version, sb.version, false});
         return;
     }
@@ -124,9 +124,9 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
 }
 
 
-MeetingChances EventDriven::chances(std::uint32_t a, std::uint32_t b) const
+RandomStream EventDriven::randomStream(std::uint32_t a, std::uint32_t b) const
 {
-    return {draw_, (*members_)[a], (*paths_)[a].size() - 1, (*members_)[b], (*paths_)[b].size() - 1};
+    return {seed_, (*members_)[a], (*paths_)[a].size() - 1, (*members_)[b], (*paths_)[b].size() - 1};
 }
 
 
@@ -197,7 +197,7 @@ bool EventDriven::tooMany(const Event& event) const
 {
     const State &a = states_[event.a], &b = states_[event.b == wall ? event.a : event.b];
     if (event.b != wall && isWeighted((*members_)[event.a], (*members_)[event.b]))
-        return std::max(a.meetings, b.meetings) >= mostForcedImpacts;
+        return std::max(a.stochastic, b.stochastic) >= mostForcedImpacts;
     return std::max(a.impacts, b.impacts) >= (forced_ ? mostForcedImpacts : mostImpacts);
 }
 
@@ -210,7 +210,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     if (tooMany(event)) return Verdict::handOver;
     if (!onWall && isWeighted((*members_)[a], (*members_)[b]))
     {
-        meetWeighted(event);
+        collideStochastically(event);
         return Verdict::done;
     }
     if (!forced_ && time >= busyUntil_) remember(time);
@@ -269,23 +269,23 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
 
 /// An impact somewhere in the spheres' cross-section, which each feels as often as the other has
 /// particles.
-void EventDriven::meetWeighted(const Event& event)
+void EventDriven::collideStochastically(const Event& event)
 {
     fly(event.a, event.time);
     fly(event.b, event.time);
     const ParticleState &ta = (*members_)[event.a], &tb = (*members_)[event.b];
     ImpactBody bodyA = bodyOf(ta), bodyB = bodyOf(tb);
-    MeetingChances chances = this->chances(event.a, event.b);
-    chances.next();                    // has said when
-    const double factor = crossSectionFactor(ta, tb), chance = chances.next();
+    RandomStream stream = randomStream(event.a, event.b);
+    stream.next();                    // has said when
+    const double factor = crossSectionFactor(ta, tb), chance = stream.next();
     const Vector3 passing = bodyA.velocity - bodyB.velocity;
     const bool hit = norm(passing) > 0
-        && collide(bodyA, bodyB, randomNormal(passing, chances), laws_(ta.material, tb.material));
+        && collide(bodyA, bodyB, randomNormal(passing, stream), laws_(ta.material, tb.material));
     const bool hitsA = hit && chance*factor < tb.number, hitsB = hit && chance*factor < ta.number;
     const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {
         changed(member, after);
-        ++states_[member].meetings;
+        ++states_[member].stochastic;
     };
     if (hitsA) met(event.a, bodyA);
     if (hitsB) met(event.b, bodyB);

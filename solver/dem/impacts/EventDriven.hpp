@@ -10,7 +10,7 @@
 namespace elutria::dem
 {
 
-class MeetingChances;
+class RandomStream;
 
 /// A sphere on its way through one gas step; `flight` is given at the moment reached so far.
 struct ParticleState
@@ -20,7 +20,7 @@ struct ParticleState
     double radius = 0, mass = 0;
     double number = 1;             // of particles that it stands for
     double reach = 0;              // m: radius, or more where spheres meet by chance (weights.hpp)
-    double crowding = 1;           // by how much they meet oftener than in a dilute cloud
+    double enskogFactor = 1;           // by how much they meet oftener than in a dilute cloud
     Flight flight;
     Vector3 spin;
     Vector3 force;                 // m/s^2: constant acceleration, without drag
@@ -71,8 +71,8 @@ public:
     {}
 
     /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
-    /// hand-over. `segments[i]` gets each new segment of member i's path. `draw`: see weights.hpp.
-    double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t draw,
+    /// hand-over. `segments[i]` gets each new segment of member i's path. `seed`: see weights.hpp.
+    double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t seed,
                std::vector<std::vector<PathSegment>>& segments);
 
     std::size_t impacts() const { return impacts_; }
@@ -100,19 +100,19 @@ private:
         double since;                    // time at which the particle's flight is given
         Bound bound;                     // of the path from there to the end
         Vector3 end;                     // of the path
-        std::uint32_t version = 0, impacts = 0, meetings = 0;   // meetings: of weighted spheres
+        std::uint32_t version = 0, impacts = 0, stochastic = 0;   // meetings: of weighted spheres
         double busyUntil = -1;           // end of the last impact, had it a duration
         Walls::Image nextWall{};
     };
 
     void predictAll();
     void predictPair(std::uint32_t a, std::uint32_t b, double from);
-    MeetingChances chances(std::uint32_t a, std::uint32_t b) const;
+    RandomStream randomStream(std::uint32_t a, std::uint32_t b) const;
     void predictWall(std::uint32_t a, double from);
     enum class Verdict { done, handOver, crowded };
     bool tooMany(const Event&) const;
     Verdict carryOut(const Event&);
-    void meetWeighted(const Event&);
+    void collideStochastically(const Event&);
     void predictAfter(const Event&, bool changedA, bool changedB);
     void fly(std::uint32_t a, double to);
     void changed(std::uint32_t a, const ImpactBody& after);
@@ -140,7 +140,7 @@ private:
     std::vector<ParticleState>* members_ = nullptr;
     std::vector<std::vector<PathSegment>>* paths_ = nullptr;
     double end_ = 0;
-    std::uint64_t draw_ = 0;
+    std::uint64_t seed_ = 0;
     std::vector<State> states_;
     std::vector<Event> queue_;
     std::vector<Walls::Image> images_;

@@ -52,7 +52,7 @@ inline double crossSectionFactor(const ParticleState& a, const ParticleState& b)
 /// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
 /// One of few, hit several times a passage by those of many, takes a little less from them; if it
 /// reached further it would meet across the layers of a dense feed.
-inline double meetingReach(double radius, double number)
+inline double collisionReach(double radius, double number)
 {
     constexpr double least = 2, most = 128;      // of the number: 2 to 16 radii
     return radius*std::sqrt(2*std::clamp(number, least, most));
@@ -67,13 +67,13 @@ inline std::uint64_t scrambled(std::uint64_t z)
 }
 
 /// Reproducible numbers in [0, 1) for a pair on certain segments of its paths. They depend on the piece
-/// of a step (`draw`), and on no value that rounding could change.
-class MeetingChances
+/// of a step (`seed`), and on no value that rounding could change.
+class RandomStream
 {
 public:
-    MeetingChances(std::uint64_t draw, const ParticleState& a, std::size_t segmentA, const ParticleState& b,
+    RandomStream(std::uint64_t seed, const ParticleState& a, std::size_t segmentA, const ParticleState& b,
                    std::size_t segmentB)
-        : state_(draw)
+        : state_(seed)
     {
         if (a.id > b.id) add(b.id), add(a.id), add(segmentB), add(segmentA);
         else add(a.id), add(b.id), add(segmentA), add(segmentB);
@@ -105,9 +105,9 @@ struct Passage
     {}
 };
 
-/// When a pair with a weight meets by chance, the first of its chances; never if not.
-inline double meetingByChance(const ParticleState& a, const ParticleState& b, const Passage& passage,
-                              MeetingChances chances)
+/// When a pair with a weight meets by chance, the first of its stream; never if not.
+inline double stochasticCollision(const ParticleState& a, const ParticleState& b, const Passage& passage,
+                              RandomStream stream)
 {
     const double distance = a.reach + b.reach, length2 = squaredNorm(passage.way);
     const double approach = -dot(passage.start, passage.way);
@@ -122,20 +122,20 @@ inline double meetingByChance(const ParticleState& a, const ParticleState& b, co
 
     const double sum = a.radius + b.radius;
     const double meanWay = 4*distance*distance*distance
-        /(3*sum*sum*crossSectionFactor(a, b)*0.5*(a.crowding + b.crowding));
-    const double chance = chances.next(), length = std::sqrt(length2);
+        /(3*sum*sum*crossSectionFactor(a, b)*0.5*(a.enskogFactor + b.enskogFactor));
+    const double chance = stream.next(), length = std::sqrt(length2);
     if (chance*meanWay > (leaves - enters)*length) return never;     // less than the way below
     const double meets = enters - meanWay*std::log1p(-chance)/length;
     return meets < leaves ? passage.from + meets*(passage.end - passage.from) : never;
 }
 
 /// Unit vector from b to a where they touch, for a place of touching as likely as any other.
-inline Vector3 randomNormal(const Vector3& velocityOfAFromB, MeetingChances& chances)
+inline Vector3 randomNormal(const Vector3& velocityOfAFromB, RandomStream& stream)
 {
     const Vector3 along = velocityOfAFromB*(1/norm(velocityOfAFromB));
     const Vector3 any = std::abs(along.x) < 0.7 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
     const Vector3 across = cross(along, any)*(1/norm(cross(along, any)));
-    const double sine2 = chances.next(), turn = 2*laws::pi*chances.next();
+    const double sine2 = stream.next(), turn = 2*laws::pi*stream.next();
     const Vector3 aside = std::cos(turn)*across + std::sin(turn)*cross(along, across);
     return std::sqrt(sine2)*aside - std::sqrt(1 - sine2)*along;
 }

@@ -86,7 +86,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
     while (done < whole)
     {
         length = std::min(length, whole - done);
-        draw_ = scrambled(scrambled(particles.moment) + std::uint64_t(done));
+        seed_ = scrambled(scrambled(particles.moment) + std::uint64_t(done));
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
         switch (piece(duration*length/whole, mayCut, report))
         {
@@ -149,8 +149,8 @@ void AdaptiveIntegrator::widen(const Particles& p)
     for (std::size_t i = 0; i < start_.size(); ++i)
     {
         ParticleState& t = start_[i];
-        t.reach = std::max(t.radius, std::min(meetingReach(t.radius, t.number), room));
-        if (!p.solidFraction.empty()) t.crowding = contactCorrelation(p.solidFraction[order_[i]]);
+        t.reach = std::max(t.radius, std::min(collisionReach(t.radius, t.number), room));
+        if (!p.solidFraction.empty()) t.enskogFactor = contactCorrelation(p.solidFraction[order_[i]]);
     }
 }
 

@@ -130,7 +130,7 @@ private:
     std::vector<Flight> ends_;                 // of the free flights
     std::vector<double> slack_;                // m, deviation from the chord
     bool weighted_ = false;                    // any of many particles, or of a share
-    std::uint64_t draw_ = 0;                   // for the piece's meetings by chance
+    std::uint64_t seed_ = 0;                   // for the piece's meetings by chance
     std::vector<Bound> bounds_;                // in the frame moving with frame_
     Vector3 frame_;                            // m/s
     VectorArray centres_;

@@ -84,7 +84,7 @@ void AdaptiveIntegrator::runIsland(Island& island, IslandStepper& stepper, doubl
                                        ContactRecord{id, 0, false, {}}, recordBefore);
             for (; at != records_.end() && at->first == id; ++at) history.push_back(*at);
         }
-    stepper.run(island, start_, duration, draw_, history);
+    stepper.run(island, start_, duration, seed_, history);
 }
 
 
@@ -123,7 +123,7 @@ bool AdaptiveIntegrator::mergeIslands(double duration, StepReport& report)
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (islandOf_[i] == islandOf_[j] && islandOf_[i] != none) return;
-        if (pathsMeet(start_[i], path(i, freeA), start_[j], path(j, freeB), draw_, settings_.box,
+        if (pathsMeet(start_[i], path(i, freeA), start_[j], path(j, freeB), seed_, settings_.box,
                       duration))
             hits.push_back({i, j});
     };

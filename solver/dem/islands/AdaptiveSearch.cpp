@@ -94,8 +94,8 @@ void AdaptiveIntegrator::checkPair(std::uint32_t i, std::uint32_t j, double dura
     {
         const Passage passage(0, duration, a.position, ends_[i].position, b.position,
                               ends_[j].position, settings_.box);
-        const MeetingChances chances(draw_, start_[i], 0, start_[j], 0);
-        if (meetingByChance(start_[i], start_[j], passage, chances) < never)
+        const RandomStream stream(seed_, start_[i], 0, start_[j], 0);
+        if (stochasticCollision(start_[i], start_[j], passage, stream) < never)
             candidates_.push_back({i, j});
         return;
     }

@@ -54,7 +54,7 @@ IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& m
 
 
 void IslandStepper::run(Island& island, const std::vector<ParticleState>& start, double duration,
-                        std::uint64_t draw, const std::vector<ContactRecord>& history)
+                        std::uint64_t seed, const std::vector<ContactRecord>& history)
 {
     const std::size_t n = island.particles.size();
     island.end.clear();
@@ -73,7 +73,7 @@ void IslandStepper::run(Island& island, const std::vector<ParticleState>& start,
         if (!touching)
         {
             const Stopwatch watch(island.impactSeconds);
-            time = events_.run(island.end, time, duration, draw, island.segments);
+            time = events_.run(island.end, time, duration, seed, island.segments);
             island.impacts += events_.impacts();
             island.largestOverlap = std::max(island.largestOverlap, events_.largestOverlap());
         }
@@ -154,7 +154,7 @@ double IslandStepper::softChunk(Island& island, double begin, double end, bool& 
 
 
 bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, const ParticleState& b,
-               const std::vector<PathSegment>& pathB, std::uint64_t draw, const PeriodicBox& box,
+               const std::vector<PathSegment>& pathB, std::uint64_t seed, const PeriodicBox& box,
                double duration)
 {
     std::size_t i = 0, j = 0;
@@ -177,7 +177,7 @@ bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, co
             {
                 const Passage passage(begin, duration, fa.position, fa.at(rest).position,
                                       fb.position, fb.at(rest).position, box);
-                if (meetingByChance(a, b, passage, {draw, a, i, b, j}) < end) return true;
+                if (stochasticCollision(a, b, passage, {seed, a, i, b, j}) < end) return true;
             }
         }
         if (endA <= endB) ++i;

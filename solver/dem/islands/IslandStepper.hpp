@@ -41,9 +41,9 @@ public:
     IslandStepper(const IslandStepper&) = delete;
 
     /// From the `start` of each of the island's particles (indexed by particle) on; `history` holds
-    /// the island's contacts; `draw`: see weights.hpp.
+    /// the island's contacts; `seed`: see weights.hpp.
     void run(Island& island, const std::vector<ParticleState>& start, double duration,
-             std::uint64_t draw, const std::vector<ContactRecord>& history);
+             std::uint64_t seed, const std::vector<ContactRecord>& history);
 
 private:
     double softChunk(Island& island, double begin, double end, bool& touching);
@@ -61,7 +61,7 @@ private:
 
 /// Whether two spheres meet before `duration` on their paths.
 bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, const ParticleState& b,
-               const std::vector<PathSegment>& pathB, std::uint64_t draw, const PeriodicBox& box,
+               const std::vector<PathSegment>& pathB, std::uint64_t seed, const PeriodicBox& box,
                double duration);
 
 /// Bound of a whole path, in a frame that moves with `frame`.

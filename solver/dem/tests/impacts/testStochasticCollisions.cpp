@@ -259,8 +259,8 @@ TEST_CASE("where solids take a tenth of the room, spheres of many particles meet
 
 TEST_CASE("a sphere of more particles reaches further, up to sixteen radii")
 {
-    CHECK(meetingReach(2, 0.1) == near(4, 1e-9));
-    CHECK(meetingReach(2, 2) == near(4, 1e-9));
-    CHECK(meetingReach(2, 8) == near(8, 1e-9));
-    CHECK(meetingReach(2, 1e6) == near(32, 1e-9));
+    CHECK(collisionReach(2, 0.1) == near(4, 1e-9));
+    CHECK(collisionReach(2, 2) == near(4, 1e-9));
+    CHECK(collisionReach(2, 8) == near(8, 1e-9));
+    CHECK(collisionReach(2, 1e6) == near(32, 1e-9));
 }
