@@ -115,7 +115,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     Event event{from, a, b, sa.version, sb.version, true};
     if (norm(shortest) >= (1 - shallow)*sum)
     {
-        const Meeting m = meeting(fa, fb, d - shortest, sum, 0, end_ - from);
+        const FirstContact m = firstContact(fa, fb, d - shortest, sum, 0, end_ - from);
         if (m.time >= never) return;
         event.time = from + m.time;
         event.handOver = m.lasting || !laws_(ta.material, tb.material).applies();
@@ -137,13 +137,13 @@ void EventDriven::predictWall(std::uint32_t a, double from)
     const double time = end_ - from;
     walls_.collect(t.flight.position, t.flight.at(time).position,
                    t.radius + t.flight.chordDeviation(time), images_);
-    Meeting first;
+    FirstContact first;
     for (const Walls::Image& image : images_)
     {
         const auto nearest = [&](const Vector3& p) { return walls_.nearestPoint(image, p); };
-        Meeting m{0, true};
+        FirstContact m{0, true};
         if (norm(t.flight.position - nearest(t.flight.position)) >= (1 - shallow)*t.radius)
-            m = wallMeeting(t.flight, t.radius, 0, time, nearest);
+            m = firstWallContact(t.flight, t.radius, 0, time, nearest);
         if (m.time > first.time || (m.time == first.time && !m.lasting)) continue;
         first = m;
         state.nextWall = image;

@@ -22,7 +22,7 @@ namespace elutria::dem
 
 constexpr double never = 1e300;
 
-struct Meeting
+struct FirstContact
 {
     double time = never;      // s, when they touch
     bool lasting = false;     // they stay too close for too long: not a matter of one impact
@@ -51,7 +51,7 @@ inline double safeStep(double gap, double rate, const Curvature& c)
 
 /// Marches to the first touch before `end`. `state(t)` gives gap, its rate and the curvature.
 template<class State>
-Meeting march(double time, double end, double closed, State state)
+FirstContact march(double time, double end, double closed, State state)
 {
     constexpr int manySteps = 60;
     for (int i = 0; i < manySteps; ++i)
@@ -82,7 +82,7 @@ inline Vector3 direction(const Vector3& apart, double length, const Vector3& vel
 /// First touch of two spheres whose centres come as close as `distance`, both flights given from
 /// the same moment, looked for from `begin` to `end`; `offset` is added to b's position (periodic
 /// image).
-inline Meeting meeting(const Flight& a, const Flight& b, const Vector3& offset, double distance,
+inline FirstContact firstContact(const Flight& a, const Flight& b, const Vector3& offset, double distance,
                        double begin, double end)
 {
     const double closed = 1e-10*distance;
@@ -111,7 +111,7 @@ inline Meeting meeting(const Flight& a, const Flight& b, const Vector3& offset, 
 
 /// First touch of a sphere and one convex piece of wall, given by its nearest point to a position.
 template<class NearestPoint>
-Meeting wallMeeting(const Flight& a, double radius, double begin, double end,
+FirstContact firstWallContact(const Flight& a, double radius, double begin, double end,
                     NearestPoint nearestPoint)
 {
     const double closed = 1e-10*radius;

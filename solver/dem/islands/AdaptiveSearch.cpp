@@ -132,7 +132,7 @@ AdaptiveIntegrator::WallLook AdaptiveIntegrator::lookForWalls(std::size_t i, dou
         const double distance = norm(flight.position - nearest(flight.position));
         nearestAtStart = std::min(nearestAtStart, distance);
         meets = meets || distance < shallow
-            || wallMeeting(flight, radius, 0, duration, nearest).time < never;
+            || firstWallContact(flight, radius, 0, duration, nearest).time < never;
     }
     if (nearestAtStart < radius)
     {

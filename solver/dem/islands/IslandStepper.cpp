@@ -39,7 +39,7 @@ bool flightsMeet(const Flight& a, const Flight& b, double distance, const Period
 {
     const Vector3 d = a.position - b.position, shortest = box.shortest(d);
     return norm(shortest) < distance*(1 - EventDriven::shallow)
-        || meeting(a, b, d - shortest, distance, 0, duration).time < never;
+        || firstContact(a, b, d - shortest, distance, 0, duration).time < never;
 }
 
 } // namespace

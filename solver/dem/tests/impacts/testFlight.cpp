@@ -144,7 +144,7 @@ TEST_CASE("meeting: first touch of two flights is found, early or late, fast or 
                        random(0, 1) < 0.3 ? a.rate : std::pow(10, random(-2, 5)));
         if (norm(a.position - b.position) < distance) continue;
         const double expected = firstTouch(a, b, distance, h);
-        const Meeting found = meeting(a, b, {}, distance, 0, h);
+        const FirstContact found = firstContact(a, b, {}, distance, 0, h);
         CHECK_FALSE(found.lasting);
         if (expected < never)
         {
@@ -164,7 +164,7 @@ TEST_CASE("meeting: particles that rest on each other are reported as lasting")
 {
     const Flight a({0, 0, 1e-3}, {0, 0, 0}, {0, 0, -10}, {0, 0, 0}, 0);
     const Flight b({0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0);
-    CHECK(meeting(a, b, {}, 1e-3, 0, 1e-3).lasting);
+    CHECK(firstContact(a, b, {}, 1e-3, 0, 1e-3).lasting);
 }
 
 TEST_CASE("meeting: touch of a wall, at face, edge and corner")
@@ -190,7 +190,7 @@ TEST_CASE("meeting: touch of a wall, at face, edge and corner")
         double first = never;
         for (std::uint32_t k = 0; k < walls.size(); ++k)
         {
-            const Meeting m = wallMeeting(f, radius, 0, h,
+            const FirstContact m = firstWallContact(f, radius, 0, h,
                 [&](const Vector3& p) { return walls.nearestPoint({k, {}}, p); });
             CHECK_FALSE(m.lasting);
             first = std::min(first, m.time);
