@@ -25,7 +25,7 @@ ImpactBody bodyOf(const ParticleState& t)
 
 
 double EventDriven::run(std::vector<ParticleState>& members, double begin, double end,
-                        std::uint64_t seed, std::vector<std::vector<PathSegment>>& segments)
+                        std::uint64_t seed, std::vector<Path>& segments)
 {
     members_ = &members, paths_ = &segments, end_ = end, seed_ = seed;
     impacts_ = 0;
@@ -173,7 +173,7 @@ void EventDriven::remember(double time)
     c.impacts = impacts_;
     c.since.clear(), c.segments.clear();
     for (const State& state : states_) c.since.push_back(state.since);
-    for (const std::vector<PathSegment>& segments : *paths_) c.segments.push_back(segments.size());
+    for (const Path& segments : *paths_) c.segments.push_back(segments.size());
 }
 
 
@@ -320,7 +320,7 @@ void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
     state.bound = boundOf(t.flight, t.reach, end_ - state.since);
     state.end = t.flight.at(end_ - state.since).position;
     ++state.version;
-    std::vector<PathSegment>& segments = (*paths_)[a];
+    Path& segments = (*paths_)[a];
     if (segments.back().begin == state.since) segments.pop_back();
     segments.push_back({state.since, t.flight, 0});
 }

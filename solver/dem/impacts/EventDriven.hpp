@@ -1,7 +1,8 @@
 #pragma once
 
-#include "impacts/Flight.hpp"
 #include "impacts/ImpactLaw.hpp"
+#include "impacts/ParticleState.hpp"
+#include "impacts/StochasticCollisions.hpp"
 #include "walls/Walls.hpp"
 
 #include <cstdint>
@@ -9,47 +10,6 @@
 
 namespace elutria::dem
 {
-
-class RandomStream;
-
-/// A sphere on its way through one gas step; `flight` is given at the moment reached so far.
-struct ParticleState
-{
-    std::uint64_t id = 0;
-    std::uint32_t material = 0;
-    double radius = 0, mass = 0;
-    double number = 1;             // of particles that it stands for
-    double reach = 0;              // m: radius, or more where spheres meet by chance (weights.hpp)
-    double enskogFactor = 1;           // by how much they meet oftener than in a dilute cloud
-    Flight flight;
-    Vector3 spin;
-    Vector3 force;                 // m/s^2: constant acceleration, without drag
-    Vector3 gasVelocity;           // m/s
-    Vector3 dragGain;              // m/s: velocity received from the drag so far
-};
-
-/// A piece of a path: a flight from `begin` on, known to within `slack`.
-struct PathSegment
-{
-    double begin = 0;              // s
-    Flight flight;
-    double slack = 0;              // m
-};
-
-/// A sphere that holds a path during some time, radius included.
-struct Bound
-{
-    Vector3 centre;
-    double reach = 0;
-};
-
-/// Bound of a flight of `duration`, in a frame that moves with `frame` (m/s).
-inline Bound boundOf(const Flight& flight, double radius, double duration, const Vector3& frame = {})
-{
-    const Vector3 moved = flight.at(duration).position - flight.position - duration*frame;
-    return {flight.position + 0.5*moved,
-            radius + 0.5*norm(moved) + flight.chordDeviation(duration)};
-}
 
 /// Moves a small group of spheres from impact to impact: exact flights in between.
 ///
@@ -73,7 +33,7 @@ public:
     /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
     /// hand-over. `segments[i]` gets each new segment of member i's path. `seed`: see weights.hpp.
     double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t seed,
-               std::vector<std::vector<PathSegment>>& segments);
+               std::vector<Path>& segments);
 
     std::size_t impacts() const { return impacts_; }
     /// That the impacts would have had, over the radius.
@@ -138,7 +98,7 @@ private:
     double largestOverlap_ = 0;
 
     std::vector<ParticleState>* members_ = nullptr;
-    std::vector<std::vector<PathSegment>>* paths_ = nullptr;
+    std::vector<Path>* paths_ = nullptr;
     double end_ = 0;
     std::uint64_t seed_ = 0;
     std::vector<State> states_;

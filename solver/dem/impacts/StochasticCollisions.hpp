@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/PeriodicBox.hpp"
-#include "impacts/EventDriven.hpp"
 #include "impacts/FirstContact.hpp"
+#include "impacts/ParticleState.hpp"
 #include "laws/laws.hpp"
 
 #include <algorithm>

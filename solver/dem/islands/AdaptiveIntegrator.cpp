@@ -1,14 +1,13 @@
 #include "islands/AdaptiveIntegrator.hpp"
 
 #include "core/Stopwatch.hpp"
+#include "core/forEach.hpp"
 #include "impacts/StochasticCollisions.hpp"
+#include "islands/OverlapSeparation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
-
-// The course of a step: who steps what for how long.
 
 namespace elutria::dem
 {
@@ -22,49 +21,37 @@ constexpr int mostCuts = 12;                 // halvings of a step
 constexpr double fewSubSteps = 24;           // these cost no more than looking around first
 constexpr int separationRounds = 5;
 
-/// Contacts counted once for each particle they hold.
-std::size_t contactEnds(const std::vector<ContactRecord>& records)
-{
-    std::size_t ends = 0;
-    for (const ContactRecord& record : records) ends += record.wall ? 1 : 2;
-    return ends;
-}
-
 } // namespace
 
 
-AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-               SoftIntegrator& soft, IslandStepper::StepLimit stepLimit)
+AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
+                                       const Walls& walls, SoftIntegrator& soft,
+                                       IslandStepper::StepLimit stepLimit)
   : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit),
-    laws_(settings.law, materials)
-{
-    for (unsigned t = 0; t < settings.threads; ++t)
-        steppers_.push_back(
-            std::make_unique<IslandStepper>(settings, materials, walls, laws_, stepLimit));
-}
+    laws_(settings.law, materials), states_(settings), boundPairs_(settings),
+    search_(settings, walls, boundPairs_),
+    steppers_(settings, materials, walls, laws_, stepLimit), pathCheck_(settings, boundPairs_)
+{}
 
 
 std::vector<ContactRecord> AdaptiveIntegrator::exportContacts() const
 {
-    std::vector<ContactRecord> records = softRules_ ? soft_.exportContacts() : records_;
-    std::sort(records.begin(), records.end(), recordBefore);
-    return records;
+    return softRules_ ? SortedContacts(soft_.exportContacts()).records() : contacts_.records();
 }
 
 
 void AdaptiveIntegrator::importContacts(const std::vector<ContactRecord>& records)
 {
-    records_ = records;
-    std::sort(records_.begin(), records_.end(), recordBefore);
+    contacts_ = SortedContacts(records);
     softRules_ = false;
-    contactEnds_ = contactEnds(records_);
+    contactEnds_ = contacts_.ends();
 }
 
 
 void AdaptiveIntegrator::useSoft()
 {
     if (softRules_) return;
-    soft_.importContacts(records_);
+    soft_.importContacts(contacts_.records());
     softRules_ = true;
 }
 
@@ -79,22 +66,21 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
         return runSoft(particles, duration, report);
     if (softRules_) importContacts(soft_.exportContacts());
 
-    load(particles);
-    widen(particles);
+    states_.load(particles);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
     double done = 0, length = whole;
     while (done < whole)
     {
         length = std::min(length, whole - done);
-        seed_ = scrambled(scrambled(particles.moment) + std::uint64_t(done));
+        const std::uint64_t seed = scrambled(scrambled(particles.moment) + std::uint64_t(done));
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
-        switch (piece(duration*length/whole, mayCut, report))
+        switch (advancePiece(duration*length/whole, seed, mayCut, report))
         {
             case Outcome::tooLong:
                 length /= 2;
                 break;
             case Outcome::contactsRule:
-                store(particles);
+                states_.store(particles);
                 return runSoft(particles, duration*(1 - done/whole), report);
             case Outcome::done:
                 done += length;
@@ -102,72 +88,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
                 break;
         }
     }
-    store(particles);
-}
-
-
-void AdaptiveIntegrator::load(const Particles& p)
-{
-    const std::size_t n = p.size();
-    order_.resize(n);
-    std::iota(order_.begin(), order_.end(), 0u);
-    if (!std::is_sorted(p.id.begin(), p.id.end()))
-        std::sort(order_.begin(), order_.end(),
-                  [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
-    start_.resize(n);
-    forParticles([&](std::size_t i)
-    {
-        const std::uint32_t k = order_[i];
-        ParticleState& t = start_[i];
-        t.id = p.id[k], t.material = p.material[k], t.mass = p.mass[k];
-        t.radius = t.reach = p.radius[k];
-        t.number = p.number.empty() ? 1 : p.number[k];
-        t.spin = p.spin[k];
-        t.force = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
-        t.gasVelocity = p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[k];
-        t.flight = Flight(p.position[k], p.velocity[k], t.force, t.gasVelocity,
-                          p.dragRate.empty() ? 0 : p.dragRate[k]);
-        t.dragGain = {};
-    });
-    for (std::size_t i = 1; i < n; ++i)
-        if (start_[i - 1].id == start_[i].id)
-            throw std::invalid_argument("particle id " + std::to_string(start_[i].id)
-                                        + " is given twice; allowed: once");
-}
-
-
-/// Where some stand for several particles, or for a share: how far and how often all meet.
-void AdaptiveIntegrator::widen(const Particles& p)
-{
-    weighted_ = std::any_of(start_.begin(), start_.end(),
-                            [](const ParticleState& t) { return t.number != 1; });
-    if (!weighted_) return;
-    double room = never;                  // in the periodic box, so that images stay apart
-    for (int axis = 0; axis < 3; ++axis)
-        if (settings_.box.periodic[axis])
-            room = std::min(room, (settings_.box.high[axis] - settings_.box.low[axis])/16);
-    for (std::size_t i = 0; i < start_.size(); ++i)
-    {
-        ParticleState& t = start_[i];
-        t.reach = std::max(t.radius, std::min(collisionReach(t.radius, t.number), room));
-        if (!p.solidFraction.empty()) t.enskogFactor = contactCorrelation(p.solidFraction[order_[i]]);
-    }
-}
-
-
-void AdaptiveIntegrator::store(Particles& p) const
-{
-    const bool drag = !p.dragRate.empty();
-    if (drag) p.dragImpulse.resize(p.size());
-    forParticles([&](std::size_t i)
-    {
-        const std::uint32_t k = order_[i];
-        const ParticleState& t = start_[i];
-        p.position.set(k, settings_.box.wrapped(t.flight.position));
-        p.velocity.set(k, t.flight.velocity);
-        p.spin.set(k, t.spin);
-        if (drag) p.dragImpulse.set(k, t.mass*t.dragGain);
-    });
+    states_.store(particles);
 }
 
 
@@ -189,91 +110,122 @@ void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepRepo
 
 
 /// Moves all by `duration`, or says why not and leaves them where they were.
-AdaptiveIntegrator::Outcome AdaptiveIntegrator::piece(double duration, bool mayCut, StepReport& report)
+AdaptiveIntegrator::Outcome AdaptiveIntegrator::advancePiece(double duration, std::uint64_t seed,
+                                                             bool mayCut, StepReport& report)
 {
+    const Piece piece{states_.all(), contacts_, duration, seed};
     const bool forced = settings_.treatment == ContactTreatment::impact;
     {
         const Stopwatch watch(report.searchSeconds);
-        for (int round = 0;; ++round)
-        {
-            if (!bounds(duration))
-                return mayCut ? Outcome::tooLong : Outcome::contactsRule;
-            findCandidates(duration, report);
-            if (overlaps_.empty() || round == separationRounds) break;
-            separateOverlaps(report);
-        }
-        for (const Candidate& overlap : overlaps_)       // crowded: no room to move apart
-        {
-            touching_.push_back(overlap.first);
-            if (overlap.second != none) touching_.push_back(overlap.second);
-        }
-        std::sort(touching_.begin(), touching_.end());
-        touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
-        makeIslands();
-        std::size_t largest = 0;
-        for (const Island& island : islands_)
-            if (!island.touching) largest = std::max(largest, island.particles.size());
+        if (!findCandidates(piece, report))
+            return mayCut ? Outcome::tooLong : Outcome::contactsRule;
+        partition(states_.size(), candidates_, partition_);
+        const std::size_t largest = partition_.largestWithoutContacts();
         if (largest > crowd && mayCut) return Outcome::tooLong;
         if (largest > 16*crowd && !forced) return Outcome::contactsRule;
     }
+    results_.clear();
+    results_.resize(partition_.islands.size());
+    toStep_.resize(partition_.islands.size());
+    std::iota(toStep_.begin(), toStep_.end(), 0u);
     do
     {
-        runIslands(duration);
+        steppers_.run(piece, partition_.islands, toStep_, results_);
         if (mayCut && crowds()) return Outcome::tooLong;
     }
-    while (mergeIslands(duration, report));
-    finishPiece(duration, report);
+    while (mergeWhatMeets(piece, report));
+    finishPiece(piece, report);
     return Outcome::done;
 }
 
 
-/// Whether meetings of spheres of many particles make islands that shorter pieces would not.
-bool AdaptiveIntegrator::crowds() const
+/// Free flights and candidates, after overlaps without a history are separated; what is too crowded
+/// for that counts as touching. False where the periodic box is too small for the paths.
+bool AdaptiveIntegrator::findCandidates(const Piece& piece, StepReport& report)
 {
-    return weighted_ && std::any_of(islands_.begin(), islands_.end(), [](const Island& island)
+    for (int round = 0;; ++round)
     {
-        return island.particles.size() > (island.soft() ? softCrowd : crowd);
-    });
+        if (!flyFreely(piece, settings_, flights_)) return false;
+        search_.find(piece, flights_, candidates_);
+        report.candidates += boundPairs_.size();
+        if (candidates_.overlaps.empty() || round == separationRounds) break;
+        report.separated += candidates_.overlaps.size();
+        separate(states_.all(), candidates_.overlaps, walls_, settings_.box);
+    }
+    for (const Overlap& overlap : candidates_.overlaps)
+    {
+        candidates_.touching.push_back(overlap.first);
+        if (overlap.second != Overlap::wall) candidates_.touching.push_back(overlap.second);
+    }
+    return true;
 }
 
 
-void AdaptiveIntegrator::finishPiece(double duration, StepReport& report)
+/// Whether stochastic collisions make islands that shorter pieces would not.
+bool AdaptiveIntegrator::crowds() const
 {
-    forParticles([&](std::size_t i)
+    if (!states_.weighted()) return false;
+    for (std::size_t k = 0; k < results_.size(); ++k)
+        if (partition_.islands[k].particles.size() > (results_[k].soft() ? softCrowd : crowd))
+            return true;
+    return false;
+}
+
+
+/// Merges the islands whose particles meet on their new paths; false if there are none.
+bool AdaptiveIntegrator::mergeWhatMeets(const Piece& piece, StepReport& report)
+{
+    const Stopwatch watch(report.searchSeconds);
+    const std::vector<Pair> hits = pathCheck_.find(piece, partition_, results_, toStep_,
+                                                   flights_.frame, flights_.bounds);
+    if (hits.empty()) return false;
+    toStep_ = partition_.merge(hits, report.mergedIslands);
+    results_.resize(partition_.islands.size());
+    return true;
+}
+
+
+void AdaptiveIntegrator::finishPiece(const Piece& piece, StepReport& report)
+{
+    std::vector<ParticleState>& all = states_.all();
+    forElements(settings_.threads, all.size(), [&](std::size_t i)
     {
-        ParticleState& t = start_[i];
-        if (islandOf_[i] != none)
+        ParticleState& s = all[i];
+        if (!partition_.isFree(std::uint32_t(i)))
         {
-            t = islands_[islandOf_[i]].end[placeIn_[i]];
+            s = results_[partition_.islandOf[i]].end[partition_.placeIn[i]];
             return;
         }
-        if (t.flight.rate > 0) t.dragGain += t.flight.dragGain(duration, t.force);
-        t.flight = ends_[i];
+        if (s.flight.rate > 0) s.dragGain += s.flight.dragGain(piece.duration, s.force);
+        s.flight = flights_.end[i];
     });
-    std::size_t free = start_.size();
-    records_.clear();
-    report.touching = report.wallTouching = report.softParticles = 0;
-    for (const Island& island : islands_)
+    report.freeParticles = all.size();
+    report.softParticles = 0;
+    std::vector<ContactRecord> lasting;
+    for (std::size_t k = 0; k < results_.size(); ++k)
     {
-        free -= island.particles.size();
-        records_.insert(records_.end(), island.contacts.begin(), island.contacts.end());
-        report.islands += !island.particles.empty();
-        report.impacts += island.impacts;
-        report.impactSeconds += island.impactSeconds;
-        report.softSeconds += island.softSeconds;
-        report.largestOverlap = std::max(report.largestOverlap, island.largestOverlap);
-        if (!island.soft()) continue;
+        const std::size_t particles = partition_.islands[k].particles.size();
+        if (particles == 0) continue;          // merged into another
+        const IslandResult& result = results_[k];
+        report.freeParticles -= particles;
+        lasting.insert(lasting.end(), result.contacts.begin(), result.contacts.end());
+        ++report.islands;
+        report.impacts += result.impacts;
+        report.impactSeconds += result.impactSeconds;
+        report.softSeconds += result.softSeconds;
+        report.largestOverlap = std::max(report.largestOverlap, result.largestOverlap);
+        if (!result.soft()) continue;
         ++report.softIslands;
-        report.softParticles += island.particles.size();
-        report.subSteps += island.subSteps;
-        report.step = report.step > 0 ? std::min(report.step, island.shortestStep)
-                                      : island.shortestStep;
+        report.softParticles += particles;
+        report.subSteps += result.subSteps;
+        report.step = report.step > 0 ? std::min(report.step, result.shortestStep)
+                                      : result.shortestStep;
     }
-    for (const ContactRecord& record : records_)
+    report.touching = report.wallTouching = 0;
+    for (const ContactRecord& record : lasting)
         ++(record.wall ? report.wallTouching : report.touching);
-    report.freeParticles = free;
     contactEnds_ = 2*report.touching + report.wallTouching;
-    std::sort(records_.begin(), records_.end(), recordBefore);
+    contacts_ = SortedContacts(std::move(lasting));
 }
 
 } // namespace elutria::dem

@@ -1,36 +1,36 @@
 #pragma once
 
 #include "core/ContactRecord.hpp"
-#include "core/StepReport.hpp"
 #include "impacts/EventDriven.hpp"
+#include "islands/IslandPartition.hpp"
+#include "islands/Piece.hpp"
 #include "soft/SoftIntegrator.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace elutria::dem
 {
 
-/// Spheres that may meet each other during a step, and no others.
-struct Island
+/// What happens in an island during a piece, for each of its particles.
+struct IslandResult
 {
-    std::vector<std::uint32_t> particles;      // ascending
-    bool touching = false;                     // contacts with a history at the start
-
-    // results
-    std::vector<ParticleState> end;                // of each particle
-    std::vector<std::vector<PathSegment>> segments;        // its path
-    std::vector<ContactRecord> contacts;       // that last beyond the step
+    std::vector<ParticleState> end;
+    std::vector<Path> paths;
+    std::vector<ContactRecord> contacts;       // that last beyond the piece
     std::size_t impacts = 0, subSteps = 0;
-    double shortestStep = 0, largestOverlap = 0;
-    double impactSeconds = 0, softSeconds = 0;
+    double shortestStep = 0;                   // s
+    double largestOverlap = 0;                 // over the smaller radius
+    double impactSeconds = 0, softSeconds = 0; // wall time
 
     bool soft() const { return subSteps > 0; }
 };
 
-/// Carries islands through a step: impacts as long as they are the right picture, the soft law with
-/// sub-steps of the island's own for as long as something in it touches, then impacts again.
+/// Fourth stage: carries an island through a piece: impacts as long as its contacts are short and
+/// binary, the soft law with sub-steps of the island's own for as long as something in it touches,
+/// then impacts again.
 class IslandStepper
 {
 public:
@@ -40,13 +40,10 @@ public:
                   const ImpactTable& laws, StepLimit stepLimit);
     IslandStepper(const IslandStepper&) = delete;
 
-    /// From the `start` of each of the island's particles (indexed by particle) on; `history` holds
-    /// the island's contacts; `seed`: see weights.hpp.
-    void run(Island& island, const std::vector<ParticleState>& start, double duration,
-             std::uint64_t seed, const std::vector<ContactRecord>& history);
+    void run(const Piece& piece, const Island& island, IslandResult& result);
 
 private:
-    double softChunk(Island& island, double begin, double end, bool& touching);
+    double softChunk(IslandResult& result, double begin, double end, bool& touching);
     void startSoft(const std::vector<ContactRecord>& history);
     void gather(const std::vector<ParticleState>& members);
 
@@ -59,12 +56,20 @@ private:
     Particles gathered_;
 };
 
-/// Whether two spheres meet before `duration` on their paths.
-bool pathsMeet(const ParticleState& a, const std::vector<PathSegment>& pathA, const ParticleState& b,
-               const std::vector<PathSegment>& pathB, std::uint64_t seed, const PeriodicBox& box,
-               double duration);
+/// Steps many islands, on as many threads as the settings say.
+class IslandSteppers
+{
+public:
+    IslandSteppers(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
+                   const ImpactTable& laws, const IslandStepper::StepLimit& stepLimit);
 
-/// Bound of a whole path, in a frame that moves with `frame`.
-Bound boundOf(const std::vector<PathSegment>& segments, double radius, double duration, const Vector3& frame);
+    /// Steps the islands listed in `which`; results[k] is that of island k.
+    void run(const Piece& piece, const std::vector<Island>& islands,
+             const std::vector<std::uint32_t>& which, std::vector<IslandResult>& results);
+
+private:
+    unsigned threads_;
+    std::vector<std::unique_ptr<IslandStepper>> steppers_;   // one per thread
+};
 
 } // namespace elutria::dem
