@@ -11,7 +11,7 @@
 #include "NoCollision.H"
 #include "engineVectors.H"
 #include "foamVersion.H"
-#include "flight.hpp"
+#include "impacts/Flight.hpp"
 #include "turbulenceModel.H"
 #include "zeroGradientFvPatchFields.H"
 
@@ -264,7 +264,7 @@ void ElutriaCloud::advanceParticles(const scalar dt)
             {
                 try
                 {
-                    report_ = contacts_->checkedEngine().advance
+                    report_ = contacts_->guardedEngine().advance
                     (
                         everyone, dt, retakes_
                     );

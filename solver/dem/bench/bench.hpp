@@ -1,6 +1,6 @@
 #pragma once
 
-#include "Engine.hpp"
+#include "engine/Engine.hpp"
 
 #include <map>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 // search when the largest displacement asks for it.
 
 #include "bench.hpp"
-#include "search.hpp"
+#include "neighbours/PairSearch.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/ContactRecord.hpp"
+#include "core/Particles.hpp"
+#include "core/StepReport.hpp"
+#include "laws/Settings.hpp"
+#include "walls/Walls.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// Moves spheres through contacts with each other and with walls.
+///
+/// The result does not depend on the number of threads, and not on the caller's particle order
+/// as long as ids stay with their particles. Lists and contact history live on between calls.
+class Engine
+{
+public:
+    /// Throws std::invalid_argument with a one-line message.
+    Engine(Settings settings, ContactMaterials materials, Walls walls = {});
+    ~Engine();
+    Engine(Engine&&) noexcept;
+    Engine& operator=(Engine&&) noexcept;
+
+    /// One gas step of `duration` seconds: sub-steps, contacts, walls. Updates position (kept
+    /// inside a periodic box), velocity, spin and dragImpulse.
+    /// Throws std::invalid_argument for arrays of unequal length or values not allowed,
+    /// std::runtime_error where the motion diverges.
+    StepReport advance(Particles& particles, double duration);
+
+    /// One evaluation at the given positions, the tangential history advanced by `step` seconds:
+    /// for callers that integrate themselves. force in N, torque in N m; both are overwritten.
+    void contactForces(const Particles& particles, double step, VectorArray& force,
+                       VectorArray& torque);
+
+    /// History of the contacts that last, sorted by first, second. After importContacts() of the
+    /// same records the engine continues as the one that exported them.
+    std::vector<ContactRecord> exportContacts() const;
+    void importContacts(const std::vector<ContactRecord>& records);
+
+    /// Largest sub-step allowed, s: stepFraction of the contact time of the smallest, lightest
+    /// pair that can meet at the given relative speed (m/s; 0: the particles' largest).
+    double stepLimit(const Particles& particles, double speed = 0) const;
+
+    /// Largest overlap over radius of two equal spheres that meet head-on at a relative speed, m/s,
+    /// without damping, for the softest pair of materials: known before time is spent.
+    double expectedOverlap(double radius, double density, double speed) const;
+
+    const Settings& settings() const;
+    const ContactMaterials& materials() const;
+    const Walls& walls() const;
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> self_;
+};
+
+} // namespace elutria::dem

@@ -1,0 +1,222 @@
+#include "engine/GuardedEngine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+constexpr double margin = 1.5;           // energy above the allowed one: a sub-step is not exact
+constexpr std::size_t neighbours = 12;   // spheres that a sphere of no smaller ones can touch
+
+bool isFinite(const Particles& p, std::size_t i)
+{
+    const auto finite = [](const Vector3& v) { return std::isfinite(v.x + v.y + v.z); };
+    return finite(p.position[i]) && finite(p.velocity[i]) && finite(p.spin[i]);
+}
+
+bool isFinite(const Particles& p)
+{
+    for (std::size_t i = 0; i < p.size(); ++i)
+        if (!isFinite(p, i)) return false;
+    return true;
+}
+
+double kineticEnergy(const Particles& p)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < p.size(); ++i)
+        sum += 0.5*p.mass[i]*(squaredNorm(p.velocity[i])
+                              + 0.4*p.radius[i]*p.radius[i]*squaredNorm(p.spin[i]));
+    return sum;
+}
+
+double largestSpeed(const Particles& p)
+{
+    double square = 0;
+    for (std::size_t i = 0; i < p.size(); ++i)
+        square = std::max(square, squaredNorm(p.velocity[i]));
+    return std::sqrt(square);
+}
+
+std::string inSeconds(double value)
+{
+    std::ostringstream text;
+    text << value << " s";
+    return text.str();
+}
+
+/// Most that the forcing can give: drag (u - v) v is largest at v = u/2, a body force works along
+/// the fastest path.
+double forcingWork(const Particles& p, double fastest, double duration)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < p.size(); ++i)
+    {
+        if (!p.dragRate.empty())
+            sum += 0.25*p.mass[i]*p.dragRate[i]*duration*squaredNorm(p.gasVelocity[i]);
+        if (!p.acceleration.empty())
+            sum += p.mass[i]*norm(p.acceleration[i])*duration*fastest;
+    }
+    return sum;
+}
+
+} // namespace
+
+
+StepReport GuardedEngine::advance(Particles& particles, double duration, int retakes)
+{
+    const bool soft = engine_->settings().treatment == ContactTreatment::soft;
+    overlapRemoval_.place(particles, engine_->walls(), engine_->settings().box, soft);
+    const Particles before = particles;
+    const std::vector<ContactRecord> history = engine_->exportContacts();
+    const Settings settings = engine_->settings();
+    std::vector<std::string> warnings;
+    if (settings.step > 0 && particles.size() > 0)
+    {
+        const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
+        if (settings.step > most)
+        {
+            warnings.push_back("contact step " + inSeconds(settings.step) + " is above "
+                + std::to_string(largestFraction_) + " of the shortest contact; it is now "
+                + inSeconds(most));
+            refine(most/settings.step, history);
+        }
+    }
+    double firstEnergy = 0;
+    for (int attempt = 0;; ++attempt)
+    {
+        std::string trouble;
+        bool broken = false;
+        StepReport report;
+        try
+        {
+            report = engine_->advance(particles, duration);
+            trouble = unsound(before, particles, duration);
+        }
+        catch (const std::exception& error)
+        {
+            if (!overlapKnown_ && attempt == 0) throw;     // of the first call: what was given
+            trouble = error.what();
+            broken = true;
+        }
+        broken = broken || (!trouble.empty() && !isFinite(particles));
+        if (attempt == 0) firstEnergy = kineticEnergy(particles);
+        if (attempt == retakes && attempt > 0 && !trouble.empty() && !broken
+            && kineticEnergy(particles) > 0.5*firstEnergy)
+        {
+            // Smaller steps give the same: overlaps that the call was given
+            warnings.push_back(trouble + ", however small the sub-step: likely particles that were "
+                               "put into each other or into a wall");
+            reset(settings);
+            trouble.clear();
+        }
+        if (trouble.empty())
+        {
+            overlapKnown_ = true;
+            overlap_ = report.largestOverlap;
+            contacts_ = report.touching + report.wallTouching;
+            report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+            if (attempt > 0 && attempt < retakes)
+                report.warnings.push_back("a step of the contacts was not sound and was taken "
+                    "again with sub-steps of 1/" + std::to_string(1 << attempt)
+                    + ", kept from here on");
+            return report;
+        }
+        particles = before;
+        if (attempt == retakes)
+        {
+            engine_->importContacts(history);
+            throw std::runtime_error(trouble + ", also after " + std::to_string(retakes)
+                + " retakes with smaller sub-steps; likely causes: particles that were put into "
+                  "each other or into a wall, a contact step too large, or a gas that diverges");
+        }
+        refine(0.5, history);
+    }
+}
+
+
+void GuardedEngine::reset(const Settings& settings)
+{
+    const std::vector<ContactRecord> history = engine_->exportContacts();
+    engine_ = std::make_unique<Engine>(settings, engine_->materials(), engine_->walls());
+    engine_->importContacts(history);
+}
+
+
+void GuardedEngine::refine(double factor, const std::vector<ContactRecord>& history)
+{
+    Settings finer = engine_->settings();
+    if (finer.step > 0) finer.step *= factor;
+    else finer.stepFraction *= factor;
+    engine_ = std::make_unique<Engine>(finer, engine_->materials(), engine_->walls());
+    engine_->importContacts(history);
+}
+
+
+double GuardedEngine::energyAllowed(const Particles& before, const Particles& after,
+                                    double duration) const
+{
+    const ContactLaw law = engine_->settings().law;
+    if (!overlapKnown_ || law == ContactLaw::springSliderDashpot)
+        return std::numeric_limits<double>::infinity();
+
+    const ContactMaterials& materials = engine_->materials();
+    double stiffness = 0, friction = 0;
+    for (std::uint32_t a = 0; a < materials.size(); ++a)
+    {
+        const ContactMaterial& m = materials[a];
+        for (std::uint32_t b = 0; b <= a; ++b)
+        {
+            const PairProperties& pair = materials.pair(a, b);
+            stiffness = std::max(stiffness, law == ContactLaw::linear ? pair.normalStiffness
+                : m.youngsModulus/(1 - m.poissonRatio*m.poissonRatio));
+            friction = std::max(friction, pair.friction);
+        }
+    }
+    // A contact counts for the smaller of the two: its radius bounds the effective one. The most
+    // that as many contacts can hold is with the largest particles.
+    std::vector<double> radius = before.radius;
+    std::sort(radius.begin(), radius.end(), std::greater<>());
+    double held = 0;
+    for (std::size_t k = 0; k < std::min(contacts_, neighbours*radius.size()); ++k)
+    {
+        const double r = radius[k/neighbours];
+        held += law == ContactLaw::linear ? 0.5*stiffness*overlap_*overlap_*r*r
+                                          : 8.0/15*stiffness*std::pow(overlap_, 2.5)*r*r*r;
+    }
+    held *= 1 + 2*friction*friction;                     // with what tangential springs hold
+    return margin*(kineticEnergy(before) + held
+                   + forcingWork(before, std::max(largestSpeed(before), largestSpeed(after)),
+                                 duration));
+}
+
+
+std::string GuardedEngine::unsound(const Particles& before, const Particles& after,
+                                   double duration) const
+{
+    for (std::size_t i = 0; i < after.size(); ++i)
+        if (!isFinite(after, i))
+            return "the motion of particle " + std::to_string(after.id[i] & 0xffffffffu)
+                   + " is not finite";
+
+    const double energy = kineticEnergy(after), allowed = energyAllowed(before, after, duration);
+    if (energy <= allowed) return "";
+    std::size_t fastest = 0;
+    for (std::size_t i = 0; i < after.size(); ++i)
+        if (squaredNorm(after.velocity[i]) > squaredNorm(after.velocity[fastest])) fastest = i;
+    const Vector3 place = before.position[fastest];
+    return "contacts made energy: " + std::to_string(energy) + " J where at most "
+           + std::to_string(allowed) + " J can be; fastest is particle "
+           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + std::to_string(place.x)
+           + " " + std::to_string(place.y) + " " + std::to_string(place.z) + ")";
+}
+
+} // namespace elutria::dem

@@ -1,0 +1,100 @@
+#pragma once
+
+#include "core/Vector3.hpp"
+#include "laws/Settings.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// What a short binary contact does, as one impulse: the outcome of the soft law for solid spheres
+/// that meet with no third party in reach.
+///
+/// With effective mass m, closing speed c and sliding speed s where they touch, the normal impulse
+/// is (1 + e) m c. The tangential impulse, against the sliding, is m c T(s/c): the soft contact law
+/// is integrated once for a table of s/c. Large s/c: gross sliding, T = friction*(1 + e) (Walton
+/// 1993); small s/c: the contact sticks and T = 2/7 (1 + b) s/c, b being the tangential
+/// restitution that the law's spring and dashpot amount to. All laws in use depend on s/c alone.
+///
+/// A force that presses the two together meanwhile (weight on a floor, drag) adds no energy, as it
+/// pushes as far in as out, but the damping takes more: e falls with g = acceleration*duration/c.
+/// The law's own slope de/dg serves up to g = mostPressing; beyond, the contact is no impact.
+class ImpactLaw
+{
+public:
+    ImpactLaw() = default;
+
+    /// Tabulates the law of a pair of materials; `restitution` <= 0: take what the law gives.
+    ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uint32_t a, std::uint32_t b);
+
+    /// False where one impulse cannot stand for the contact: cohesion, a damping whose restitution
+    /// depends on speed, the friction of spring-slider-dashpot, which depends on the step, and a
+    /// rolling resistance so strong that it competes with the friction.
+    bool applies() const { return applies_; }
+    double restitution() const { return restitution_; }
+    /// Under a force that changes the closing speed by the share `pressing` while contact lasts.
+    double restitution(double pressing) const
+    {
+        return std::clamp(restitution_ + pressingSlope_*pressing, 0.0, 1.0);
+    }
+    static constexpr double mostPressing = 0.02;
+    double rolling() const { return rolling_; }
+
+    /// T above, for the ratio s/c >= 0.
+    double tangentialImpulse(double ratio) const
+    {
+        const double place = ratio*inverseSpacing_;
+        if (place >= double(table_.size() - 1)) return table_.back();
+        const auto k = static_cast<std::size_t>(place);
+        return table_[k] + (place - double(k))*(table_[k + 1] - table_[k]);
+    }
+
+    /// Duration of the contact, s, at closing speed c (m/s).
+    double duration(double effectiveMass, double effectiveRadius, double closingSpeed) const;
+    /// Largest overlap of an elastic contact of that duration, m: pi times smaller than the way at
+    /// closing speed (linear), 2.94 times (Hertz).
+    double depth(double duration, double closingSpeed) const
+    {
+        return duration*closingSpeed/(hertzian_ ? 2.9432 : 3.14159265358979);
+    }
+
+private:
+    bool applies_ = false, hertzian_ = false;
+    double restitution_ = 1, pressingSlope_ = 0;
+    double rolling_ = 0, stiffness_ = 1, dimensionlessTime_ = 1;
+    double inverseSpacing_ = 0;
+    std::vector<double> table_{0.0, 0.0};
+};
+
+/// The impact laws of every pair of materials.
+class ImpactTable
+{
+public:
+    ImpactTable(ContactLaw law, const ContactMaterials& materials);
+
+    const ImpactLaw& operator()(std::uint32_t a, std::uint32_t b) const
+    {
+        return laws_[a < b ? b*(b + 1)/2 + a : a*(a + 1)/2 + b];
+    }
+
+private:
+    std::vector<ImpactLaw> laws_;
+};
+
+/// A sphere as an impact sees it; a wall has inverseMass 0 and radius 0.
+struct ImpactBody
+{
+    double radius = 0, inverseMass = 0;
+    Vector3 velocity, spin;
+};
+
+/// Applies the impulse, and the rolling resistance after it; `normal` is the unit vector from b to
+/// a, `pressing` as in ImpactLaw::restitution. Momentum and angular momentum are kept to rounding,
+/// kinetic energy never grows. Returns false, changing nothing, unless the two approach each other.
+bool collide(ImpactBody& a, ImpactBody& b, const Vector3& normal, const ImpactLaw& law,
+             double pressing = 0);
+
+} // namespace elutria::dem

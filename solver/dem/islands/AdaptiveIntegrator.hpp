@@ -1,0 +1,84 @@
+#pragma once
+
+#include "core/StepReport.hpp"
+#include "islands/BoundPairs.hpp"
+#include "islands/CandidateSearch.hpp"
+#include "islands/FreeFlight.hpp"
+#include "islands/IslandPartition.hpp"
+#include "islands/IslandStepper.hpp"
+#include "islands/ParticleStates.hpp"
+#include "islands/PathCheck.hpp"
+#include "islands/SortedContacts.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// Moves all particles through a gas step, each with the work that its own surroundings need.
+///
+///  1. FreeFlight: the closed form of all flights; a sphere bounds each swept path.
+///  2. CandidateSearch: who could touch whom, or a wall. Overlaps that no contact explains are
+///     separated first (OverlapSeparation).
+///  3. IslandPartition: a particle without candidate has its flight as its result; the others form
+///     islands, the connected components of candidates.
+///  4. IslandStepper: each island on its own, with impacts where they suffice and the soft law where
+///     contacts last.
+///  5. PathCheck: a path that a contact has changed is checked against all others. A hit merges
+///     islands, which start again from the saved state, until none is left: merging can only go on
+///     until all is one island.
+///
+/// A step too long for its density, where candidates crowd, is cut into halves. Where most particles
+/// touch, halving no longer helps, or the step is but a few sub-steps long, all take the soft law,
+/// until few touch.
+class AdaptiveIntegrator
+{
+public:
+    /// `soft` is the engine's own soft integrator; all references must outlive this object.
+    AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
+                       const Walls& walls, SoftIntegrator& soft,
+                       IslandStepper::StepLimit stepLimit);
+    AdaptiveIntegrator(const AdaptiveIntegrator&) = delete;
+
+    void advance(Particles& particles, double duration, StepReport& report);
+
+    std::vector<ContactRecord> exportContacts() const;
+    void importContacts(const std::vector<ContactRecord>& records);
+
+    /// Hands the contact history to the soft integrator, for a caller that asks it for forces.
+    void useSoft();
+
+private:
+    enum class Outcome { done, tooLong, contactsRule };
+
+    void runSoft(Particles& particles, double duration, StepReport& report);
+    Outcome advancePiece(double duration, std::uint64_t seed, bool mayCut, StepReport& report);
+    bool findCandidates(const Piece& piece, StepReport& report);
+    bool crowds() const;
+    bool mergeWhatMeets(const Piece& piece, StepReport& report);
+    void finishPiece(const Piece& piece, StepReport& report);
+
+    const Settings& settings_;
+    const Walls& walls_;
+    SoftIntegrator& soft_;
+    IslandStepper::StepLimit stepLimit_;
+    ImpactTable laws_;
+
+    ParticleStates states_;
+    SortedContacts contacts_;
+    bool softRules_ = false;                   // the soft integrator steps and holds the history
+    std::size_t contactEnds_ = 0;              // sides in contact: two per pair, one per wall
+
+    BoundPairs boundPairs_;
+    CandidateSearch search_;
+    IslandSteppers steppers_;
+    PathCheck pathCheck_;
+
+    FreeFlights flights_;
+    Candidates candidates_;
+    IslandPartition partition_;
+    std::vector<IslandResult> results_;        // of each island
+    std::vector<std::uint32_t> toStep_;        // islands of this round
+};
+
+} // namespace elutria::dem

@@ -1,0 +1,165 @@
+#include "islands/IslandStepper.hpp"
+
+#include "core/Stopwatch.hpp"
+#include "core/forEach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+constexpr double chunkSteps = 32;            // sub-steps between looks at what touches
+constexpr std::size_t smallIsland = 256;
+constexpr std::size_t manyIslands = 32;      // worth a second thread
+constexpr double chunksOfLarge = 16;         // a large island is looked at this often per step
+
+Settings forIslands(Settings settings)
+{
+    settings.threads = 1;
+    return settings;
+}
+
+} // namespace
+
+
+IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& materials,
+                             const Walls& walls, const ImpactTable& laws, StepLimit stepLimit)
+  : settings_(forIslands(settings)), materials_(materials), walls_(walls),
+    stepLimit_(std::move(stepLimit)),
+    events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact)
+{}
+
+
+void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& result)
+{
+    const double duration = piece.duration;
+    result.end.clear();
+    for (const std::uint32_t i : island.particles) result.end.push_back(piece.start[i]);
+    result.paths.assign(island.particles.size(), {});
+    result.impacts = result.subSteps = 0;
+    result.shortestStep = 1e300;
+    result.largestOverlap = result.impactSeconds = result.softSeconds = 0;
+    result.contacts.clear();
+
+    double time = 0;
+    bool touching = island.touching;
+    if (touching)
+    {
+        std::vector<ContactRecord> history;
+        for (const std::uint32_t i : island.particles)
+            piece.history.copy(piece.start[i].id, history);
+        startSoft(history);
+    }
+    while (time < duration)
+    {
+        if (!touching)
+        {
+            const Stopwatch watch(result.impactSeconds);
+            time = events_.run(result.end, time, duration, piece.seed, result.paths);
+            result.impacts += events_.impacts();
+            result.largestOverlap = std::max(result.largestOverlap, events_.largestOverlap());
+        }
+        if (time >= duration) break;
+        const Stopwatch watch(result.softSeconds);
+        if (!touching) startSoft({});
+        time = softChunk(result, time, duration, touching);
+    }
+    if (touching) result.contacts = soft_->exportContacts();
+}
+
+
+/// A new integrator each time: what it did before for other islands must not show in this one.
+void IslandStepper::startSoft(const std::vector<ContactRecord>& history)
+{
+    soft_.emplace(settings_, materials_, walls_);
+    soft_->importContacts(history);
+}
+
+
+void IslandStepper::gather(const std::vector<ParticleState>& members)
+{
+    Particles& p = gathered_;
+    const std::size_t n = members.size();
+    p.id.resize(n), p.material.resize(n), p.radius.resize(n), p.mass.resize(n);
+    p.dragRate.resize(n), p.number.resize(n);
+    for (VectorArray* array :
+         {&p.position, &p.velocity, &p.spin, &p.gasVelocity, &p.acceleration, &p.dragImpulse})
+        array->resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+    {
+        const ParticleState& t = members[i];
+        p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
+        p.dragRate[i] = t.flight.rate;
+        p.number[i] = t.number;
+        p.position.set(i, t.flight.position);
+        p.velocity.set(i, t.flight.velocity);
+        p.spin.set(i, t.spin);
+        p.gasVelocity.set(i, t.gasVelocity);
+        p.acceleration.set(i, t.force);
+    }
+}
+
+
+double IslandStepper::softChunk(IslandResult& result, double begin, double end, bool& touching)
+{
+    gather(result.end);
+    const double remaining = end - begin, limit = stepLimit_(gathered_);
+    const double needed = std::max(1.0, std::ceil(remaining/limit*(1 - 1e-12)));
+    const double wanted = result.end.size() <= smallIsland
+        ? chunkSteps : std::max(chunkSteps, std::ceil(needed/chunksOfLarge));
+    const double steps = std::min(needed, wanted);
+    const double time = steps == needed ? remaining : steps*(remaining/needed);
+
+    StepReport report;
+    soft_->run(gathered_, time, std::size_t(steps), report);
+    touching = report.touching + report.wallTouching > 0;
+    result.subSteps += std::size_t(steps);
+    result.shortestStep = std::min(result.shortestStep, time/steps);
+    result.largestOverlap = std::max(result.largestOverlap, report.largestOverlap);
+    for (std::size_t i = 0; i < result.end.size(); ++i)
+    {
+        ParticleState& t = result.end[i];
+        const Vector3 moved =
+            settings_.box.shortest(gathered_.position[i] - t.flight.position);
+        const Vector3 velocity = gathered_.velocity[i];
+        PathSegment segment{begin, {}, 0.5*time*norm(velocity - t.flight.velocity)};
+        segment.flight.position = t.flight.position;
+        segment.flight.velocity = (1/time)*moved;
+        result.paths[i].push_back(segment);
+        t.flight = Flight(t.flight.position + moved, velocity, t.force, t.gasVelocity,
+                          t.flight.rate);
+        t.spin = gathered_.spin[i];
+        t.dragGain += (1/t.mass)*gathered_.dragImpulse[i];
+    }
+    return steps == needed ? end : begin + time;
+}
+
+
+IslandSteppers::IslandSteppers(const Settings& settings, const ContactMaterials& materials,
+                               const Walls& walls, const ImpactTable& laws,
+                               const IslandStepper::StepLimit& stepLimit)
+  : threads_(settings.threads)
+{
+    for (unsigned t = 0; t < threads_; ++t)
+        steppers_.push_back(
+            std::make_unique<IslandStepper>(settings, materials, walls, laws, stepLimit));
+}
+
+
+void IslandSteppers::run(const Piece& piece, const std::vector<Island>& islands,
+                         const std::vector<std::uint32_t>& which,
+                         std::vector<IslandResult>& results)
+{
+    const std::size_t threads = which.size() < manyIslands ? 1 : steppers_.size();
+    forEach(threads_, threads, [&](std::size_t t)
+    {
+        for (std::size_t k = t; k < which.size(); k += threads)
+            steppers_[t]->run(piece, islands[which[k]], results[which[k]]);
+    });
+}
+
+} // namespace elutria::dem

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "core/ContactRecord.hpp"
+#include "impacts/EventDriven.hpp"
+#include "islands/IslandPartition.hpp"
+#include "islands/Piece.hpp"
+#include "soft/SoftIntegrator.hpp"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// What happens in an island during a piece, for each of its particles.
+struct IslandResult
+{
+    std::vector<ParticleState> end;
+    std::vector<Path> paths;
+    std::vector<ContactRecord> contacts;       // that last beyond the piece
+    std::size_t impacts = 0, subSteps = 0;
+    double shortestStep = 0;                   // s
+    double largestOverlap = 0;                 // over the smaller radius
+    double impactSeconds = 0, softSeconds = 0; // wall time
+
+    bool soft() const { return subSteps > 0; }
+};
+
+/// Fourth stage: carries an island through a piece: impacts as long as its contacts are short and
+/// binary, the soft law with sub-steps of the island's own for as long as something in it touches,
+/// then impacts again.
+class IslandStepper
+{
+public:
+    using StepLimit = std::function<double(const Particles&)>;
+
+    IslandStepper(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
+                  const ImpactTable& laws, StepLimit stepLimit);
+    IslandStepper(const IslandStepper&) = delete;
+
+    void run(const Piece& piece, const Island& island, IslandResult& result);
+
+private:
+    double softChunk(IslandResult& result, double begin, double end, bool& touching);
+    void startSoft(const std::vector<ContactRecord>& history);
+    void gather(const std::vector<ParticleState>& members);
+
+    Settings settings_;
+    const ContactMaterials& materials_;
+    const Walls& walls_;
+    StepLimit stepLimit_;
+    EventDriven events_;
+    std::optional<SoftIntegrator> soft_;
+    Particles gathered_;
+};
+
+/// Steps many islands, on as many threads as the settings say.
+class IslandSteppers
+{
+public:
+    IslandSteppers(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
+                   const ImpactTable& laws, const IslandStepper::StepLimit& stepLimit);
+
+    /// Steps the islands listed in `which`; results[k] is that of island k.
+    void run(const Piece& piece, const std::vector<Island>& islands,
+             const std::vector<std::uint32_t>& which, std::vector<IslandResult>& results);
+
+private:
+    unsigned threads_;
+    std::vector<std::unique_ptr<IslandStepper>> steppers_;   // one per thread
+};
+
+} // namespace elutria::dem

@@ -1,0 +1,79 @@
+#include "islands/ParticleStates.hpp"
+
+#include "core/forEach.hpp"
+#include "impacts/StochasticCollisions.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace elutria::dem
+{
+
+void ParticleStates::load(const Particles& p)
+{
+    const std::size_t n = p.size();
+    order_.resize(n);
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (!std::is_sorted(p.id.begin(), p.id.end()))
+        std::sort(order_.begin(), order_.end(),
+                  [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+    all_.resize(n);
+    forElements(settings_.threads, n, [&](std::size_t i)
+    {
+        const std::uint32_t k = order_[i];
+        ParticleState& s = all_[i];
+        s.id = p.id[k], s.material = p.material[k], s.mass = p.mass[k];
+        s.radius = s.reach = p.radius[k];
+        s.number = p.number.empty() ? 1 : p.number[k];
+        s.spin = p.spin[k];
+        s.force = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
+        s.gasVelocity = p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[k];
+        s.flight = Flight(p.position[k], p.velocity[k], s.force, s.gasVelocity,
+                          p.dragRate.empty() ? 0 : p.dragRate[k]);
+        s.dragGain = {};
+    });
+    for (std::size_t i = 1; i < n; ++i)
+        if (all_[i - 1].id == all_[i].id)
+            throw std::invalid_argument("particle id " + std::to_string(all_[i].id)
+                                        + " is given twice; allowed: once");
+    weighted_ = std::any_of(all_.begin(), all_.end(),
+                            [](const ParticleState& s) { return s.number != 1; });
+    if (weighted_) prepareStochasticCollisions(p);
+}
+
+
+/// How far and how often particles collide stochastically.
+void ParticleStates::prepareStochasticCollisions(const Particles& p)
+{
+    double room = never;                  // in the periodic box, so that images stay apart
+    for (int axis = 0; axis < 3; ++axis)
+        if (settings_.box.periodic[axis])
+            room = std::min(room, (settings_.box.high[axis] - settings_.box.low[axis])/16);
+    for (std::size_t i = 0; i < all_.size(); ++i)
+    {
+        ParticleState& s = all_[i];
+        s.reach = std::max(s.radius, std::min(collisionReach(s.radius, s.number), room));
+        if (!p.solidFraction.empty())
+            s.enskogFactor = contactCorrelation(p.solidFraction[order_[i]]);
+    }
+}
+
+
+void ParticleStates::store(Particles& p) const
+{
+    const bool drag = !p.dragRate.empty();
+    if (drag) p.dragImpulse.resize(p.size());
+    forElements(settings_.threads, all_.size(), [&](std::size_t i)
+    {
+        const std::uint32_t k = order_[i];
+        const ParticleState& s = all_[i];
+        p.position.set(k, settings_.box.wrapped(s.flight.position));
+        p.velocity.set(k, s.flight.velocity);
+        p.spin.set(k, s.spin);
+        if (drag) p.dragImpulse.set(k, s.mass*s.dragGain);
+    });
+}
+
+} // namespace elutria::dem

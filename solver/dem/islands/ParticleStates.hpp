@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/Particles.hpp"
+#include "impacts/ParticleState.hpp"
+#include "laws/Settings.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// The caller's particles as states by ascending id: neither the caller's order nor the number of
+/// threads shows in a result.
+class ParticleStates
+{
+public:
+    explicit ParticleStates(const Settings& settings) : settings_(settings) {}
+
+    /// Throws std::invalid_argument for an id that is given twice.
+    void load(const Particles& particles);
+    /// Gives positions (inside the box), velocities, spins and dragImpulse back.
+    void store(Particles& particles) const;
+
+    std::size_t size() const { return all_.size(); }
+    std::vector<ParticleState>& all() { return all_; }
+    const std::vector<ParticleState>& all() const { return all_; }
+
+    /// True if any has a statistical weight other than one.
+    bool weighted() const { return weighted_; }
+
+private:
+    void prepareStochasticCollisions(const Particles& particles);
+
+    const Settings& settings_;
+    std::vector<ParticleState> all_;
+    std::vector<std::uint32_t> order_;         // own index -> caller's index
+    bool weighted_ = false;
+};
+
+} // namespace elutria::dem

@@ -1,3 +1,0 @@
-#define ELUTRIA_KERNELS baselineKernels
-#define ELUTRIA_KERNELS_NAME "baseline"
-#include "kernels.inl"

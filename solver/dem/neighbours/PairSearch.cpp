@@ -1,0 +1,270 @@
+#include "neighbours/PairSearch.hpp"
+
+#include "core/forEach.hpp"
+#include "neighbours/CellGrid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elutria::dem
+{
+
+std::vector<Pair> PairList::pairs() const
+{
+    std::vector<Pair> all;
+    all.reserve(second.size());
+    for (std::uint32_t i = 0; i + 1 < begin.size(); ++i)
+    {
+        for (std::uint32_t k = begin[i]; k < begin[i + 1]; ++k) all.push_back({i, second[k]});
+    }
+    return all;
+}
+
+namespace
+{
+
+/// Pairs as they are found; grows without a test for each.
+class Found
+{
+public:
+    void push_back(const Pair& pair) { *room(1) = pair, ++count_; }
+
+    /// Where up to `most` pairs may be put; then take() those that were.
+    Pair* room(std::size_t most)
+    {
+        if (count_ + most > pairs_.size()) pairs_.resize(2*count_ + most + 64);
+        return pairs_.data() + count_;
+    }
+    void take(std::size_t count) { count_ += count; }
+    void clear() { count_ = 0; }
+
+    const Pair* begin() const { return pairs_.data(); }
+    const Pair* end() const { return pairs_.data() + count_; }
+
+private:
+    std::vector<Pair> pairs_;
+    std::size_t count_ = 0;
+};
+
+bool neighbours(const Spheres& s, const PeriodicBox& box, std::size_t i, std::size_t j)
+{
+    const double reach = s.reach(i) + s.reach(j);
+    return squaredNorm(box.shortest(s.position(i) - s.position(j))) < reach*reach;
+}
+
+void bruteForce(const Spheres& s, const PeriodicBox& box, Found& found)
+{
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        for (std::uint32_t j = i + 1; j < s.size; ++j)
+        {
+            if (neighbours(s, box, i, j)) found.push_back({i, j});
+        }
+    }
+}
+
+struct Entry
+{
+    double x, y, z, reach;
+    std::uint32_t index;
+};
+
+} // namespace
+
+/// Grids, from that of the largest spheres on, with what lies in them.
+struct SearchGrids
+{
+    std::vector<Grid> levels;
+    std::vector<std::uint32_t> levelBegin;     // in entries
+    std::vector<Entry> entries;                // by level, then cell
+    std::vector<std::uint32_t> begin;          // of each cell, in entries
+    std::vector<std::uint32_t> cell;           // of each sphere
+    std::vector<Found> found;                  // by each thread
+
+    void make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers);
+
+private:
+    void sort(const Spheres& s, const PeriodicBox& box);
+};
+
+/// Grids of doubling cell width, or a single one.
+void SearchGrids::make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers)
+{
+    Vector3 low{1e300, 1e300, 1e300}, high = -low;
+    double smallest = 1e300, largest = 0;
+    for (std::size_t i = 0; i < s.size; ++i)
+    {
+        const Vector3 x = s.position(i);
+        low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+        high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+        smallest = std::min(smallest, s.reach(i));
+        largest = std::max(largest, s.reach(i));
+    }
+    const auto levelOf = [&](double reach)
+    {
+        return hierarchical ? std::min(20, std::ilogb(largest/reach + 1e-9)) : 0;
+    };
+    levels.assign(levelOf(smallest) + 1, {});
+    cell.resize(s.size);
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        Grid& level = levels[cell[i] = levelOf(s.reach(i))];
+        level.largestReach = std::max(level.largestReach, s.reach(i));
+        ++level.spheres;
+    }
+    std::size_t cells = 0;
+    levelBegin.assign(1, 0);
+    for (Grid& level : levels)
+    {
+        level.firstCell = cells;
+        if (level.spheres > 0) level.shape(box, low, high, 2*level.largestReach/layers);
+        if (level.spheres > 0) cells += level.size();
+        levelBegin.push_back(levelBegin.back() + std::uint32_t(level.spheres));
+    }
+    begin.assign(cells + 2, 0);
+    sort(s, box);
+}
+
+void SearchGrids::sort(const Spheres& s, const PeriodicBox& box)
+{
+    // shifted by two: once the entries are placed, begin[c] is where those of c begin
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        cell[i] = std::uint32_t(levels[cell[i]].cellOf(box.wrapped(s.position(i))));
+        ++begin[cell[i] + 2];
+    }
+    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+    entries.resize(s.size);
+    for (std::uint32_t i = 0; i < s.size; ++i)
+    {
+        const Vector3 x = box.wrapped(s.position(i));
+        entries[begin[cell[i] + 1]++] = {x.x, x.y, x.z, s.reach(i), i};
+    }
+}
+
+namespace
+{
+
+/// Pairs of entry `e` with entries [from, to).
+inline void compare(const Entry& e, const Entry* from, const Entry* to, const PeriodicBox& box,
+                    bool wraps, Found& found)
+{
+    Pair* const room = found.room(std::size_t(to - from));
+    std::size_t count = 0;
+    for (const Entry* f = from; f != to; ++f)
+    {
+        Vector3 d{e.x - f->x, e.y - f->y, e.z - f->z};
+        if (wraps) d = box.shortest(d);
+        const double reach = e.reach + f->reach;
+        room[count] = {std::min(e.index, f->index), std::max(e.index, f->index)};
+        count += squaredNorm(d) < reach*reach;      // no branch: it would be guessed wrongly
+    }
+    found.take(count);
+}
+
+/// Pairs of the level's entries [from, to) with each other and with all smaller spheres. The large
+/// look for the small: they are fewer, and the small ones' cells hold few that are out of reach.
+void searchLevel(const SearchGrids& grids, std::size_t level, std::size_t from, std::size_t to,
+                 const PeriodicBox& box, Found& found)
+{
+    const bool wraps = box.any();
+    const Entry* const entries = grids.entries.data();
+    const std::uint32_t* const begin = grids.begin.data();
+    const Grid& own = grids.levels[level];
+    for (auto k = std::uint32_t(from); k < to; ++k)
+    {
+        const Entry& e = entries[k];
+        const Vector3 x{e.x, e.y, e.z};
+        const auto visit = [&](std::uint32_t first, std::uint32_t last)
+        {
+            if (first < last) compare(e, entries + first, entries + last, box, wraps, found);
+        };
+        const auto after = [&](std::uint32_t first, std::uint32_t last)
+        {
+            visit(std::max(first, k + 1), last);
+        };
+        if (own.halves) own.behind(k, x, e.reach + own.largestReach, begin, visit);
+        else own.around(x, e.reach + own.largestReach, begin, after);
+        for (std::size_t l = level + 1; l < grids.levels.size(); ++l)
+        {
+            const Grid& smaller = grids.levels[l];
+            if (smaller.spheres > 0) smaller.around(x, e.reach + smaller.largestReach, begin, visit);
+        }
+    }
+}
+
+void gridSearch(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers,
+                SearchGrids& grids)
+{
+    grids.make(s, box, hierarchical, layers);
+    const std::size_t threads = grids.found.size();
+    forEach(unsigned(threads), threads, [&](std::size_t t)
+    {
+        for (std::size_t l = 0; l < grids.levels.size(); ++l)
+        {
+            const std::size_t first = grids.levelBegin[l], n = grids.levels[l].spheres;
+            searchLevel(grids, l, first + n*t/threads, first + n*(t + 1)/threads, box,
+                        grids.found[t]);
+        }
+    });
+}
+
+/// Pairs in any order to lists by first, ascending.
+void sortPairs(const std::vector<Found>& found, std::size_t n, PairList& list)
+{
+    // shifted by two: once the pairs are placed, begin[i] is where those of i begin
+    list.begin.assign(n + 2, 0);
+    std::size_t size = 0;
+    for (const Found& part : found)
+    {
+        for (const Pair& pair : part) ++list.begin[pair.first + 2];
+        size += std::size_t(part.end() - part.begin());
+    }
+    for (std::size_t i = 1; i < n + 2; ++i) list.begin[i] += list.begin[i - 1];
+    list.second.resize(size);
+    for (const Found& part : found)
+    {
+        for (const Pair& pair : part) list.second[list.begin[pair.first + 1]++] = pair.second;
+    }
+    list.begin.resize(n + 1);
+    for (std::size_t i = 0; i < n; ++i)
+    {
+        std::sort(list.second.begin() + list.begin[i], list.second.begin() + list.begin[i + 1]);
+    }
+}
+
+} // namespace
+
+PairSearch::PairSearch() : grids_(std::make_unique<SearchGrids>()) {}
+
+PairSearch::~PairSearch() = default;
+
+void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                      int cellLayers, unsigned threads, PairList& list)
+{
+    std::vector<Found>& found = grids_->found;
+    for (Found& part : found) part.clear();
+    found.resize(std::max(1u, threads));
+    if (method == NeighbourSearch::bruteForce)
+    {
+        bruteForce(spheres, box, found[0]);
+    }
+    else if (spheres.size > 1)
+    {
+        const bool hierarchical =
+            method == NeighbourSearch::hierarchical || method == NeighbourSearch::automatic;
+        gridSearch(spheres, box, hierarchical,
+                   method == NeighbourSearch::cells ? cellLayers : 1, *grids_);
+    }
+    sortPairs(found, spheres.size, list);
+}
+
+std::vector<Pair> findPairs(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                            int cellLayers)
+{
+    PairList list;
+    PairSearch().find(spheres, box, method, cellLayers, 1, list);
+    return list.pairs();
+}
+
+} // namespace elutria::dem

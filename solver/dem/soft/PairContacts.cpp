@@ -1,0 +1,387 @@
+#include "soft/PairContacts.hpp"
+
+#include "core/forEach.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+/// resize() that takes no more memory than asked for.
+template<class T>
+void widen(std::vector<T>& values, std::size_t size)
+{
+    values.reserve(size);
+    values.resize(size);
+}
+
+} // namespace
+
+void PairContacts::Arrays::makeRoom(std::size_t more)
+{
+    if (count + more <= first.size()) return;
+    const std::size_t size = count + more + count/8;
+    widen(first, size), widen(second, size), widen(x, size), widen(y, size), widen(z, size);
+    widen(touching, size);
+}
+
+std::size_t PairContacts::Arrays::bytes() const
+{
+    return 4*(first.capacity() + second.capacity() + x.capacity() + y.capacity() + z.capacity())
+           + touching.capacity();
+}
+
+PairContacts::PairContacts(const LawTable& laws) : laws_(laws), law_(laws.law())
+{
+    for (std::uint32_t a = 0; a < laws.size(); ++a)
+    {
+        for (std::uint32_t b = 0; b < laws.size(); ++b)
+        {
+            const laws::Coefficients& c = laws(a, b);
+            coefficients_.push_back({float(c.stiffness), float(c.elastic), float(c.damping),
+                                     float(c.shear), float(c.shearDamping), float(c.friction),
+                                     float(c.cohesion), float(c.rolling), float(c.exponent)});
+        }
+    }
+}
+
+namespace
+{
+
+/// Ascending by first, then second.
+void sortByParticle(std::vector<LastingPair>& pairs, std::size_t particles)
+{
+    std::vector<std::uint32_t> begin(particles + 2, 0);
+    for (const LastingPair& p : pairs) ++begin[p.first + 2];
+    for (std::size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    std::vector<LastingPair> sorted(pairs.size());
+    for (const LastingPair& p : pairs) sorted[begin[p.first + 1]++] = p;
+    for (std::size_t i = 0; i < particles; ++i)
+    {
+        std::sort(sorted.begin() + begin[i], sorted.begin() + begin[i + 1],
+                  [](const LastingPair& a, const LastingPair& b) { return a.second < b.second; });
+    }
+    pairs.swap(sorted);
+}
+
+} // namespace
+
+void PairContacts::reset(std::size_t particles, std::vector<LastingPair>& lasting)
+{
+    sortByParticle(lasting, particles);
+    particles_ = particles;
+    chunks_.resize((particles + chunkSize - 1)/chunkSize);
+    std::size_t k = 0;
+    for (std::size_t c = 0; c < chunks_.size(); ++c)
+    {
+        Arrays& arrays = chunks_[c].current;
+        arrays.count = 0;
+        const std::size_t begin = k, end = chunkEnd(c);
+        const auto add = [&](bool inside)
+        {
+            for (k = begin; k < lasting.size() && lasting[k].first < end; ++k)
+            {
+                const LastingPair& p = lasting[k];
+                if ((p.second < end) != inside) continue;
+                arrays.makeRoom(1);
+                arrays.push(p.first, p.second, p.x, p.y, p.z, 1);
+            }
+        };
+        add(true);
+        arrays.inside = arrays.count;
+        add(false);
+    }
+}
+
+/// Walks through the old contacts in step with the neighbour list.
+class PairContacts::OldContacts
+{
+public:
+    OldContacts(const Arrays& arrays, std::size_t at, std::size_t stop)
+      : arrays_(arrays), at_(at), stop_(stop)
+    {}
+
+    /// Puts (i, j) behind `next`, as it was if it was there, or else if it `mayJoin`; called in
+    /// ascending order.
+    void carryTo(Arrays& next, std::uint32_t i, std::uint32_t j, bool mayJoin)
+    {
+        while (at_ < stop_ && (arrays_.first[at_] < i
+                               || (arrays_.first[at_] == i && arrays_.second[at_] < j))) ++at_;
+        const bool had = at_ < stop_ && arrays_.first[at_] == i && arrays_.second[at_] == j;
+        if (had) next.push(i, j, arrays_.x[at_], arrays_.y[at_], arrays_.z[at_],
+                           arrays_.touching[at_]);
+        else if (mayJoin) next.push(i, j, 0, 0, 0, 0);
+    }
+
+private:
+    const Arrays& arrays_;
+    std::size_t at_, stop_;
+};
+
+void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList& list,
+                           const VerletBuffer& buffer)
+{
+    Chunk& chunk = chunks_[c];
+    const Arrays& old = chunk.current;
+    // the buffers of the last chunk go round: each thread holds one set more than there are chunks
+    static thread_local Arrays next;
+    static thread_local std::vector<Pair> later;
+    const auto begin = std::uint32_t(chunkBegin(c)), end = std::uint32_t(chunkEnd(c));
+    const Row* rows = cloud.rows.data();
+    const std::uint8_t* weighted = cloud.weighted.empty() ? nullptr : cloud.weighted.data();
+    const PeriodicBox& box = cloud.box;
+    const bool wraps = box.any();
+    const auto choose = [&](OldContacts& before, std::uint32_t i, std::uint32_t j)
+    {
+        const Row &a = rows[i], &b = rows[j];
+        Vector3 apart{a.x - b.x, a.y - b.y, a.z - b.z};
+        if (wraps) apart = box.shortest(apart);
+        const double sum = a.radius + b.radius, reach = sum + buffer.of(i) + buffer.of(j);
+        const double distance2 = squaredNorm(apart);
+        if (distance2 >= reach*reach) return;
+        // spheres of many particles that are inside each other are on their way through
+        const bool passing = weighted && distance2 < sum*sum && (weighted[i] | weighted[j]);
+        before.carryTo(next, i, j, !passing);
+    };
+    const std::uint32_t last = list.begin[end] - 1;
+    next.count = 0;
+    later.clear();
+    OldContacts inside(old, 0, old.inside), across(old, old.inside, old.count);
+    for (std::uint32_t i = begin; i < end; ++i)
+    {
+        next.makeRoom(list.begin[i + 1] - list.begin[i]);
+        for (std::uint32_t k = list.begin[i]; k < list.begin[i + 1]; ++k)
+        {
+            const std::uint32_t j = list.second[k];
+            __builtin_prefetch(rows + list.second[std::min(k + 16, last)]);
+            if (j < end) choose(inside, i, j);
+            else later.push_back({i, j});
+        }
+    }
+    next.inside = next.count;
+    next.makeRoom(later.size());
+    for (const Pair& pair : later) choose(across, pair.first, pair.second);
+    next.makeRoom(contactBlock);
+    std::fill_n(next.touching.begin() + std::ptrdiff_t(next.count), contactBlock, 0);
+    std::swap(chunk.current, next);
+    widen(chunk.across, chunk.current.count - chunk.current.inside);
+}
+
+void PairContacts::connect()
+{
+    const auto forAcross = [&](const auto& visit)
+    {
+        for (std::size_t c = 0; c < chunks_.size(); ++c)
+        {
+            const Arrays& a = chunks_[c].current;
+            for (std::size_t k = a.inside; k < a.count; ++k)
+            {
+                visit(chunks_[a.second[k]/chunkSize], c, k - a.inside, a.second[k]);
+            }
+        }
+    };
+    for (Chunk& chunk : chunks_) chunk.incoming.clear(), chunk.incomingCount = 0;
+    forAcross([](Chunk& to, auto...) { ++to.incomingCount; });
+    for (Chunk& chunk : chunks_) chunk.incoming.reserve(chunk.incomingCount);
+    forAcross([](Chunk& to, std::size_t from, std::size_t slot, std::uint32_t particle)
+    {
+        to.incoming.push_back({std::uint32_t(from), std::uint32_t(slot), particle});
+    });
+}
+
+struct PairContacts::Job
+{
+    Chunk& chunk;
+    const SoftCloud& cloud;
+    const LawTable& laws;
+    StepWeights weights;
+};
+
+template<ContactLaw law>
+Contribution PairContacts::transition(void* self, std::size_t k)
+{
+    const Job& job = *static_cast<Job*>(self);
+    Arrays& arrays = job.chunk.current;
+    const std::uint32_t i = arrays.first[k], j = arrays.second[k];
+    const Row &a = job.cloud.rows[i], &b = job.cloud.rows[j];
+    const Vector3 apart = job.cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z});
+    const double distance = norm(apart), sum = a.radius + b.radius, share = distance/sum;
+    const Vector3 past{double(a.vx) - b.vx, double(a.vy) - b.vy, double(a.vz) - b.vz};
+    const Vector3 surface{double(a.sx) + b.sx, double(a.sy) + b.sy, double(a.sz) + b.sz};
+    Encounter e;
+    e.normal = (1/distance)*apart;
+    e.overlap = sum - distance;
+    e.slip = past - share*cross(surface, e.normal);
+    e.radius = a.radius*b.radius/sum;
+    e.mass = 1/(double(a.inverseMass) + b.inverseMass);
+    e.turning = (1/distance)*(past - dot(past, e.normal)*e.normal);
+    ContactHistory history{{arrays.x[k], arrays.y[k], arrays.z[k]}, arrays.touching[k] != 0};
+    const laws::Coefficients& c = job.laws(job.cloud.material(i), job.cloud.material(j));
+    const ContactForce f = contactForce<law>(c, e, history, job.weights);
+    arrays.x[k] = float(history.tangential.x);
+    arrays.y[k] = float(history.tangential.y);
+    arrays.z[k] = float(history.tangential.z);
+    arrays.touching[k] = history.touching;
+    const Vector3 force = f.normal*e.normal + f.tangential;
+    const Vector3 moment = -share*cross(e.normal, f.tangential);
+    return {float(force.x), float(force.y), float(force.z), 0,
+            float(moment.x), float(moment.y), float(moment.z), 0};
+}
+
+void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
+{
+    Chunk& chunk = chunks_[index];
+    Arrays& a = chunk.current;
+    Job job{chunk, cloud, laws_, weights};
+    PairWork work;
+    work.rows = cloud.rows.data();
+    work.contacts = {a.count, a.first.data(), a.second.data(), a.x.data(), a.y.data(),
+                     a.z.data(), a.touching.data()};
+    work.inside = a.inside;
+    work.loads = cloud.loads.data();
+    work.across = chunk.across.data();
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        const bool wraps = cloud.box.periodic[axis];
+        work.length[axis] = wraps ? cloud.box.high[axis] - cloud.box.low[axis] : 0;
+        work.inverseLength[axis] = wraps ? 1/work.length[axis] : 0;
+    }
+    work.before = weights.before;
+    work.after = weights.after;
+    work.coefficients = coefficients_.data();
+    work.material = cloud.materials.empty() ? nullptr : cloud.materials.data();
+    work.materials = laws_.size();
+    work.self = &job;
+    int kernel = 0;
+    switch (law_)
+    {
+        case ContactLaw::linear:
+            work.transition = transition<ContactLaw::linear>;
+            break;
+        case ContactLaw::hertz:
+            kernel = 1;
+            work.transition = transition<ContactLaw::hertz>;
+            break;
+        case ContactLaw::springSliderDashpot:
+            kernel = laws_.otherExponent() ? 3 : 2;
+            work.transition = transition<ContactLaw::springSliderDashpot>;
+            break;
+    }
+    kernels().pairs[kernel](work);
+    chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
+}
+
+void PairContacts::addRolling(std::size_t index, SoftCloud& cloud, StepWeights weights)
+{
+    Chunk& chunk = chunks_[index];
+    const Arrays& arrays = chunk.current;
+    for (std::size_t k = 0; k < arrays.count; ++k)
+    {
+        if (!arrays.touching[k]) continue;
+        const std::uint32_t i = arrays.first[k], j = arrays.second[k];
+        const Row &a = cloud.rows[i], &b = cloud.rows[j];
+        const double overlap = a.radius + b.radius
+            - norm(cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z}));
+        const laws::Coefficients& c = laws_(cloud.material(i), cloud.material(j));
+        const double radius = a.radius*b.radius/(a.radius + b.radius);
+        const double stiffness = law_ == ContactLaw::linear
+            ? laws::stiffness<ContactLaw::linear>(c, radius, overlap)
+            : laws::stiffness<ContactLaw::hertz>(c, radius, overlap);
+        const double inertia = 0.4/(a.inverseMass/(a.radius*a.radius)
+                                    + b.inverseMass/(b.radius*b.radius));
+        const Vector3 spin = (1/a.radius)*Vector3{a.sx, a.sy, a.sz}
+                             - (1/b.radius)*Vector3{b.sx, b.sy, b.sz};
+        const Vector3 torque = rollingTorque(c, c.elastic*stiffness*overlap, radius, inertia, spin,
+                                             weights);
+        const Vector3 onFirst = (1/a.radius)*torque, onSecond = (-1/b.radius)*torque;
+        Load& first = cloud.loads[i];
+        first.mx += onFirst.x, first.my += onFirst.y, first.mz += onFirst.z;
+        if (k < arrays.inside)
+        {
+            Load& second = cloud.loads[j];
+            second.mx += onSecond.x, second.my += onSecond.y, second.mz += onSecond.z;
+        }
+        else
+        {
+            Contribution& second = chunk.across[k - arrays.inside];
+            second.mx += float(onSecond.x);
+            second.my += float(onSecond.y);
+            second.mz += float(onSecond.z);
+        }
+    }
+}
+
+void PairContacts::receive(std::size_t index, SoftCloud& cloud) const
+{
+    for (const Incoming& in : chunks_[index].incoming)
+    {
+        const Contribution& c = chunks_[in.chunk].across[in.slot];
+        Load& load = cloud.loads[in.particle];
+        load.fx -= c.fx, load.fy -= c.fy, load.fz -= c.fz;
+        load.mx += c.mx, load.my += c.my, load.mz += c.mz;
+    }
+}
+
+double PairContacts::takeLargestOverlap()
+{
+    double largest = 0;
+    for (Chunk& chunk : chunks_)
+    {
+        largest = std::max(largest, double(chunk.largestOverlap));
+        chunk.largestOverlap = 0;
+    }
+    return largest;
+}
+
+std::vector<LastingPair> PairContacts::lasting() const
+{
+    std::vector<LastingPair> all;
+    for (const Chunk& chunk : chunks_)
+    {
+        const Arrays& a = chunk.current;
+        for (std::size_t k = 0; k < a.count; ++k)
+        {
+            if (a.touching[k]) all.push_back({a.first[k], a.second[k], a.x[k], a.y[k], a.z[k]});
+        }
+    }
+    std::sort(all.begin(), all.end(), [](const LastingPair& a, const LastingPair& b)
+    {
+        return a.first != b.first ? a.first < b.first : a.second < b.second;
+    });
+    return all;
+}
+
+std::size_t PairContacts::touching() const
+{
+    std::size_t count = 0;
+    for (const Chunk& c : chunks_)
+    {
+        count += std::size_t(std::count(c.current.touching.begin(),
+                                        c.current.touching.begin() + c.current.count, 1));
+    }
+    return count;
+}
+
+std::size_t PairContacts::size() const
+{
+    std::size_t count = 0;
+    for (const Chunk& c : chunks_) count += c.current.count;
+    return count;
+}
+
+std::size_t PairContacts::bytes() const
+{
+    std::size_t sum = 0;
+    for (const Chunk& c : chunks_)
+    {
+        sum += c.current.bytes() + c.across.capacity()*sizeof(Contribution)
+               + c.incoming.capacity()*sizeof(Incoming);
+    }
+    return sum;
+}
+
+} // namespace elutria::dem

@@ -1,0 +1,112 @@
+#pragma once
+
+#include "laws/LawTable.hpp"
+#include "laws/contact.hpp"
+#include "neighbours/PairSearch.hpp"
+#include "soft/SoftCloud.hpp"
+#include "soft/VerletBuffer.hpp"
+#include "soft/kernels/Kernels.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// A contact between two particles of the cloud that lasts; stretch of first against second.
+struct LastingPair
+{
+    std::uint32_t first, second;      // first < second
+    float x, y, z;
+};
+
+/// The pairs that touch or nearly touch, with their history, and their forces.
+///
+/// Particles are cut into chunks of fixed size in the cloud's order. A pair belongs to the chunk
+/// of its first particle; where its second belongs to another chunk, the force on it is put down
+/// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
+/// threads with bitwise the same sums.
+///
+/// The neighbour list holds pairs within a wide buffer. Of these only the ones within a much smaller
+/// one are here; refresh() chooses them anew before anything can have moved further.
+class PairContacts
+{
+public:
+    static constexpr std::size_t chunkSize = 2048;
+
+    explicit PairContacts(const LawTable& laws);
+
+    std::size_t chunks() const { return chunks_.size(); }
+    static std::size_t chunkBegin(std::size_t c) { return c*chunkSize; }
+    std::size_t chunkEnd(std::size_t c) const { return std::min(particles_, (c + 1)*chunkSize); }
+
+    /// Forgets everything and takes these contacts as touching.
+    void reset(std::size_t particles, std::vector<LastingPair>& lasting);
+
+    /// Chooses the pairs of the list within their buffer; keeps the history of those that touch.
+    /// After the last of the chunks, connect().
+    void refresh(std::size_t chunk, const SoftCloud& cloud, const PairList& list,
+                 const VerletBuffer& buffer);
+    void connect();
+
+    /// Forces of the pairs of one chunk onto its own particles; chunks may run side by side.
+    void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
+
+    /// Adds the rolling resistance of the pairs that touch, after evaluate().
+    void addRolling(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
+
+    /// Adds what pairs of other chunks do to the particles of this one.
+    void receive(std::size_t chunk, SoftCloud& cloud) const;
+
+    /// Largest overlap met since the last call, over twice the effective radius.
+    double takeLargestOverlap();
+
+    /// All contacts that touch, ascending.
+    std::vector<LastingPair> lasting() const;
+    std::size_t touching() const;
+    std::size_t size() const;
+    std::size_t bytes() const;
+
+private:
+    struct Arrays
+    {
+        std::vector<std::uint32_t> first, second;
+        std::vector<float> x, y, z;         // stretch
+        std::vector<std::uint8_t> touching;
+        std::size_t count = 0;              // in use; room for contactBlock more is behind them
+        std::size_t inside = 0;             // the first of them have both partners in the chunk
+
+        void makeRoom(std::size_t more);
+        void push(std::uint32_t i, std::uint32_t j, float sx, float sy, float sz,
+                  std::uint8_t touches)
+        {
+            first[count] = i, second[count] = j;
+            x[count] = sx, y[count] = sy, z[count] = sz;
+            touching[count++] = touches;
+        }
+        std::size_t bytes() const;
+    };
+    struct Incoming
+    {
+        std::uint32_t chunk, slot, particle;
+    };
+    struct Chunk
+    {
+        Arrays current;
+        std::vector<Contribution> across;
+        std::vector<Incoming> incoming;
+        std::size_t incomingCount = 0;
+        float largestOverlap = 0;
+    };
+    class OldContacts;
+    struct Job;
+
+    template<ContactLaw law> static Contribution transition(void* job, std::size_t k);
+
+    const LawTable& laws_;
+    ContactLaw law_;
+    std::vector<laws::CoefficientsOf<float>> coefficients_;
+    std::vector<Chunk> chunks_;
+    std::size_t particles_ = 0;
+};
+
+} // namespace elutria::dem

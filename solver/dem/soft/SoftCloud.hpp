@@ -1,0 +1,77 @@
+#pragma once
+
+#include "core/Particles.hpp"
+#include "core/PeriodicBox.hpp"
+#include "soft/kernels/Kernels.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// The soft integrator's own copy of the particles, in an order that keeps neighbours in space
+/// close in memory. The order depends on positions and ids alone, not on the caller's order.
+/// Positions are not wrapped into a periodic box while the cloud is held.
+class SoftCloud
+{
+public:
+    std::size_t size() const { return rows.size(); }
+
+    /// True if these are the particles it has, in the same caller's order.
+    bool holds(const Particles& particles) const { return particles.id == ids_; }
+
+    /// Takes the caller's state and forcing, for steps of length `step`, s. Keeps the cloud's order
+    /// if it holds these particles; then returns by how much the surface of one of them can have
+    /// moved since, m.
+    double load(const Particles& particles, double step);
+
+    /// Forgets the particles and their order.
+    void forget() { ids_.clear(), rows.clear(); }
+
+    /// Half the extent of the velocities, m/s: a bound of the speeds in their middle's frame.
+    double speedRange() const;
+
+    /// Gives positions (inside the box), velocities, spins and dragImpulse back after `duration`.
+    void store(Particles& particles, double duration) const;
+
+    /// Sorts along a space-filling curve through cells of `width`; returns the new index of each
+    /// old one. Loads must be zero.
+    std::vector<std::uint32_t> sort(double width);
+
+    std::uint64_t id(std::size_t i) const { return ids_[order_[i]]; }
+    std::uint32_t caller(std::size_t i) const { return order_[i]; }
+
+    /// Own indices by ascending id, to find particles with find().
+    std::vector<std::uint32_t> byId() const;
+    /// Own index of the particle with this id, or none.
+    std::uint32_t find(const std::vector<std::uint32_t>& byId, std::uint64_t id) const;
+    static constexpr std::uint32_t none = 0xffffffffu;
+
+    Vector3 position(std::size_t i) const { return {rows[i].x, rows[i].y, rows[i].z}; }
+    /// As kept between evaluations: without the step's own contact part.
+    Vector3 velocity(std::size_t i) const { return {bases[i].vx, bases[i].vy, bases[i].vz}; }
+    std::uint8_t material(std::size_t i) const { return materials.empty() ? 0 : materials[i]; }
+    std::size_t bytes() const;
+
+    PeriodicBox box;
+    std::vector<Row> rows;
+    std::vector<Base> bases;
+    std::vector<Load> loads;
+    std::vector<Forcing> forcing;           // empty without drag and with equal accelerations
+    std::vector<std::uint8_t> materials;    // empty if all are 0
+    std::vector<std::uint8_t> weighted;     // other than one particle each; empty if none is
+    Vector3 push;                           // m/s^2: of all, where forcing is empty
+    Vector3 frame;                          // m/s: common velocity, taken off in the rows
+    double smallest = 0, largest = 0, mean = 0;   // radius, m
+    double strongestPush = 0;               // m/s^2
+
+private:
+    void moveTo(std::vector<std::uint32_t> target);
+    void loadForcing(const Particles& particles, double step);
+
+    std::vector<std::uint32_t> order_;      // own index -> caller's index
+    std::vector<std::uint32_t> byId_;       // caller's indices by ascending id
+    std::vector<std::uint64_t> ids_;        // in the caller's order
+};
+
+} // namespace elutria::dem

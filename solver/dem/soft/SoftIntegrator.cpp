@@ -1,0 +1,290 @@
+#include "soft/SoftIntegrator.hpp"
+
+#include "core/forEach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+bool before(const ContactRecord& a, const ContactRecord& b)
+{
+    if (a.wall != b.wall) return b.wall;
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
+} // namespace
+
+SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
+                               const Walls& walls)
+  : settings_(settings), walls_(walls), laws_(settings.law, materials), contacts_(laws_),
+    atWalls_(laws_, walls)
+{
+    cloud_.box = settings.box;
+}
+
+// ---------------------------------------------------------------------------------- history
+
+std::vector<ContactRecord> SoftIntegrator::exportContacts() const
+{
+    if (!valid_) return kept_;
+    std::vector<ContactRecord> records;
+    for (const LastingPair& p : contacts_.lasting())
+    {
+        ContactRecord r{cloud_.id(p.first), cloud_.id(p.second), false, {p.x, p.y, p.z}};
+        if (r.first > r.second)
+        {
+            std::swap(r.first, r.second);
+            r.tangential = -r.tangential;
+        }
+        records.push_back(r);
+    }
+    for (const LastingWall& w : atWalls_.lasting())
+    {
+        records.push_back({cloud_.id(w.particle), w.feature, true, w.stretch});
+    }
+    std::sort(records.begin(), records.end(), before);
+    return records;
+}
+
+void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
+{
+    kept_ = records;
+    std::sort(kept_.begin(), kept_.end(), before);
+    cloud_.forget();
+    forgetLists();
+}
+
+/// Puts the history away under ids, before the cloud changes.
+void SoftIntegrator::keep()
+{
+    kept_ = exportContacts();
+    forgetLists();
+}
+
+/// Nothing learnt stays either: other particles come out as in a fresh integrator, to the bit.
+void SoftIntegrator::forgetLists()
+{
+    valid_ = false;
+    listBuffer_.forget(), nearBuffer_.forget();
+    list_.begin.clear(), list_.second.clear();
+    density_ = firstDensity;
+}
+
+/// Gives the history put away under ids to the contact tables.
+void SoftIntegrator::install()
+{
+    std::vector<LastingPair> pairs;
+    std::vector<LastingWall> walls;
+    const std::vector<std::uint32_t> byId =
+        kept_.empty() ? std::vector<std::uint32_t>{} : cloud_.byId();
+    for (const ContactRecord& r : kept_)
+    {
+        const std::uint32_t i = cloud_.find(byId, r.first);
+        if (i == SoftCloud::none) continue;
+        if (r.wall)
+        {
+            walls.push_back({i, r.second, r.tangential});
+            continue;
+        }
+        const std::uint32_t j = cloud_.find(byId, r.second);
+        if (j == SoftCloud::none) continue;
+        const Vector3& s = r.tangential;
+        pairs.push_back({i, j, float(s.x), float(s.y), float(s.z)});
+    }
+    kept_.clear();
+    install(pairs, walls);
+}
+
+void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls)
+{
+    for (LastingPair& p : pairs)
+    {
+        if (p.first > p.second) p = {p.second, p.first, -p.x, -p.y, -p.z};
+    }
+    std::sort(walls.begin(), walls.end(), [](const LastingWall& a, const LastingWall& b)
+    {
+        return a.particle != b.particle ? a.particle < b.particle : a.feature < b.feature;
+    });
+    contacts_.reset(cloud_.size(), pairs);
+    atWalls_.reset(contacts_.chunks(), walls);
+}
+
+// ----------------------------------------------------------------------------------- motion
+
+void SoftIntegrator::load(const Particles& particles, double step)
+{
+    step_ = step;
+    if (valid_ && !cloud_.holds(particles)) keep();
+    const double shifted = cloud_.load(particles, step);
+    mean_ = cloud_.frame;
+    if (!valid_) return;
+    measureMotion();
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        nearBuffer_.use(c, shifted, {});
+        motion_[c].wallWay += shifted;
+    }
+}
+
+/// Forces on all particles; leaves those from other chunks and from walls to receive().
+void SoftIntegrator::evaluate(StepWeights weights)
+{
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        contacts_.evaluate(c, cloud_, weights);
+        if (laws_.rolls()) contacts_.addRolling(c, cloud_, weights);
+    });
+}
+
+void SoftIntegrator::receive(std::size_t chunk, StepWeights weights)
+{
+    contacts_.receive(chunk, cloud_);
+    atWalls_.evaluate(chunk, cloud_, weights);
+}
+
+/// base + sign*(h phi2 a): between base and velocity.
+void SoftIntegrator::kick(std::size_t chunk, double sign)
+{
+    for (std::size_t i = PairContacts::chunkBegin(chunk); i < contacts_.chunkEnd(chunk); ++i)
+    {
+        Base& b = cloud_.bases[i];
+        const Load& l = cloud_.loads[i];
+        const double second = cloud_.forcing.empty() ? 0.5*step_ : cloud_.forcing[i].second;
+        const double s = sign*second*b.inverseMass, t = sign*0.5*step_*2.5*b.inverseMass;
+        b.vx += s*l.fx, b.vy += s*l.fy, b.vz += s*l.fz;
+        b.sx += t*l.mx, b.sy += t*l.my, b.sz += t*l.mz;
+    }
+}
+
+/// First evaluation: velocities are those of the caller.
+void SoftIntegrator::start()
+{
+    const StepWeights weights{0, 0.5*step_};
+    evaluate(weights);
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        receive(c, weights);
+        kick(c, -1);
+    });
+}
+
+/// One step of all particles, after what is left of the forces at its start.
+void SoftIntegrator::move(StepWeights weights, bool received)
+{
+    works_.resize(contacts_.chunks());
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        if (!received) receive(c, weights);
+        MoveWork& w = works_[c];
+        w.begin = PairContacts::chunkBegin(c), w.end = contacts_.chunkEnd(c);
+        w.rows = cloud_.rows.data(), w.bases = cloud_.bases.data();
+        w.loads = cloud_.loads.data();
+        w.forcing = cloud_.forcing.empty() ? nullptr : cloud_.forcing.data();
+        w.step = step_;
+        for (int a = 0; a < 3; ++a)
+        {
+            w.push[a] = cloud_.push[a], w.frame[a] = mean_[a], w.ownFrame[a] = motion_[c].frame[a];
+        }
+        kernels().move(w);
+    });
+    Vector3 sum;
+    for (std::size_t c = 0; c < works_.size(); ++c)
+    {
+        follow(c, works_[c]);
+        sum += {works_[c].sum[0], works_[c].sum[1], works_[c].sum[2]};
+    }
+    if (!std::isfinite(squaredNorm(sum)))
+    {
+        throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
+                                 + std::to_string(step_) + " s)");
+    }
+    sinceList_ += step_, sinceNear_ += step_;
+    cloud_.frame = mean_;                  // the rows' from now on
+    mean_ = (1/double(cloud_.size()))*sum;
+}
+
+/// Takes a chunk's step off its buffer.
+void SoftIntegrator::follow(std::size_t chunk, const MoveWork& work)
+{
+    ChunkMotion& m = motion_[chunk];
+    m.speed = std::sqrt(work.fastestInFrame);
+    m.wallSpeed = std::sqrt(work.fastest);
+    m.wallWay += m.wallSpeed*step_;
+    nearBuffer_.use(chunk, m.speed*step_, step_*m.frame);
+    m.frame = (1/double(work.end - work.begin))*Vector3{work.sum[0], work.sum[1], work.sum[2]};
+}
+
+/// Base velocities become the velocities.
+void SoftIntegrator::finish()
+{
+    const StepWeights weights{0.5*step_, 0};
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        receive(c, weights);
+        kick(c, 1);
+    });
+}
+
+void SoftIntegrator::run(Particles& particles, double duration, std::size_t subSteps,
+                         StepReport& report)
+{
+    load(particles, duration/double(subSteps));
+    if (cloud_.size() == 0) return;
+    const std::size_t rebuilds = rebuilds_;
+    ensureLists();
+    start();
+    for (std::size_t s = 1; s <= subSteps; ++s)
+    {
+        move({0.5*step_, 0.5*step_}, s == 1);
+        ensureLists();
+        evaluate({0.5*step_, s == subSteps ? 0 : 0.5*step_});
+    }
+    finish();
+    cloud_.store(particles, duration);
+    report.subSteps += subSteps;
+    report.step = step_;
+    report.candidates = list_.size();
+    report.touching = contacts_.touching();
+    report.wallTouching = atWalls_.touching();
+    report.softParticles += cloud_.size();
+    report.listBuilds += rebuilds_ - rebuilds;
+    report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
+                                      atWalls_.takeLargestOverlap()});
+    report.bytes = bytes();
+}
+
+void SoftIntegrator::contactForces(const Particles& particles, double step, VectorArray& force,
+                                   VectorArray& torque)
+{
+    force.assign(particles.size(), {});
+    torque.assign(particles.size(), {});
+    load(particles, step);
+    if (cloud_.size() == 0) return;
+    ensureLists();
+    const StepWeights weights{0.5*step, 0.5*step};
+    evaluate(weights);
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { receive(c, weights); });
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+    {
+        const Load& l = cloud_.loads[i];
+        const double r = cloud_.rows[i].radius;
+        force.set(cloud_.caller(i), {l.fx, l.fy, l.fz});
+        torque.set(cloud_.caller(i), {r*l.mx, r*l.my, r*l.mz});
+    }
+}
+
+std::size_t SoftIntegrator::bytes() const
+{
+    return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
+           + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
+           + works_.capacity()*sizeof(MoveWork)
+           + listBuffer_.bytes() + nearBuffer_.bytes();
+}
+
+} // namespace elutria::dem

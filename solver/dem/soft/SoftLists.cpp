@@ -1,0 +1,248 @@
+// The soft integrator's neighbour list and near pairs: when they are made anew, and how wide.
+
+#include "core/forEach.hpp"
+#include "soft/SoftIntegrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace elutria::dem
+{
+
+namespace
+{
+
+// Costs on an ordinary processor, ns; only their ratios matter.
+constexpr double searchCost = 300;       // per particle and neighbour list
+constexpr double lookCost = 4;           // per pair looked at for the near ones
+constexpr double refreshCost = 15;       // per particle and choice of near pairs, besides
+constexpr double pairCost = 6;           // per near pair and sub-step
+
+} // namespace
+
+/// Time between choices of near pairs, s: the least sum of their cost and of near pairs that do not
+/// touch.
+double SoftIntegrator::nearInterval() const
+{
+    const double candidates = double(list_.size())/double(cloud_.size());
+    const double way = step_*nearBuffer_.meanRate()/cloud_.mean;
+    const double steps = std::sqrt((refreshCost + lookCost*candidates)
+                                   /(2*pairCost*density_*std::max(way, 1e-9)));
+    return step_*std::clamp(steps, 2.0, 2000.0);
+}
+
+/// Time between neighbour lists, s: the least sum of their cost and of pairs looked at for nothing.
+double SoftIntegrator::listInterval() const
+{
+    const double near = nearInterval();
+    const double way = step_*listBuffer_.meanRate()/cloud_.mean;
+    const double steps = std::sqrt(searchCost*near/step_
+                                   /(2*lookCost*density_*std::max(way, 1e-9)));
+    return std::clamp(step_*steps, 2*near, 1e5*step_);
+}
+
+/// Most that the list may grant a particle, m.
+double SoftIntegrator::widestBuffer() const
+{
+    if (settings_.skin > 0) return 0.5*settings_.skin;
+    if (searchesEveryStep()) return 0.025*cloud_.smallest;
+    double most = 0.8*cloud_.mean;
+    for (int a = 0; a < 3; ++a)
+    {
+        if (!settings_.box.periodic[a]) continue;
+        const double length = settings_.box.high[a] - settings_.box.low[a];
+        most = std::min(most, std::max(0.24*length - cloud_.largest, 0.01*cloud_.smallest));
+    }
+    return most;
+}
+
+/// The plain methods keep no list: they are references to compare with.
+bool SoftIntegrator::searchesEveryStep() const
+{
+    return settings_.search == NeighbourSearch::bruteForce
+           || settings_.search == NeighbourSearch::cells;
+}
+
+/// The shortest image must be the only one in reach.
+void SoftIntegrator::checkBox() const
+{
+    const double reach = 2*(cloud_.largest + widestBuffer());
+    for (int a = 0; a < 3; ++a)
+    {
+        const double length = settings_.box.high[a] - settings_.box.low[a];
+        if (settings_.box.periodic[a] && length < 2*reach)
+        {
+            throw std::invalid_argument("periodic box is " + std::to_string(length) + " m wide in "
+                + "xyz"[a] + "; allowed: at least " + std::to_string(2*reach)
+                + " m, twice the reach of its largest particle");
+        }
+    }
+}
+
+/// Speeds and frames of the chunks as the particles are now.
+void SoftIntegrator::measureMotion()
+{
+    motion_.resize(contacts_.chunks());
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        const std::size_t begin = PairContacts::chunkBegin(c), end = contacts_.chunkEnd(c);
+        ChunkMotion& m = motion_[c];
+        Vector3 mean;
+        double fastest2 = 0, inFrame2 = 0;
+        for (std::size_t i = begin; i < end; ++i) mean += cloud_.velocity(i);
+        m.frame = (1/double(end - begin))*mean;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            fastest2 = std::max(fastest2, squaredNorm(cloud_.velocity(i)));
+            inFrame2 = std::max(inFrame2, squaredNorm(cloud_.velocity(i) - m.frame));
+        }
+        m.speed = std::sqrt(inFrame2), m.wallSpeed = std::sqrt(fastest2);
+    }
+}
+
+void SoftIntegrator::rebuild()
+{
+    std::vector<LastingPair> pairs;
+    std::vector<LastingWall> walls;
+    if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
+    checkBox();
+    const std::vector<std::uint32_t> now = cloud_.sort(2*cloud_.mean);
+    if (valid_)
+    {
+        for (LastingPair& p : pairs) p.first = now[p.first], p.second = now[p.second];
+        for (LastingWall& w : walls) w.particle = now[w.particle];
+        install(pairs, walls);
+    }
+    else
+    {
+        install();
+    }
+    valid_ = true;
+    ++rebuilds_;
+    measureMotion();
+    grantBuffers();
+    findNeighbours();
+    selectNear();
+    wallMargin_.resize(contacts_.chunks());
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { refreshWalls(c); });
+}
+
+/// New buffers for a new list.
+void SoftIntegrator::grantBuffers()
+{
+    const std::size_t chunks = contacts_.chunks();
+    const bool first = listBuffer_.chunks() != chunks;
+    for (VerletBuffer* buffer : {&listBuffer_, &nearBuffer_})
+    {
+        buffer->resize(cloud_.size(), PairContacts::chunkSize);
+        for (std::size_t c = 0; first && c < chunks; ++c)
+        {
+            buffer->expect(c, 0.5*motion_[c].speed
+                              + std::sqrt(0.2*cloud_.strongestPush*cloud_.mean));
+        }
+    }
+    grantNear();
+    const double most = widestBuffer(), interval = listInterval();
+    const bool equal = settings_.skin > 0 || searchesEveryStep();
+    forEach(settings_.threads, chunks, [&](std::size_t c)
+    {
+        if (equal) listBuffer_.grant(c, cloud_, most);
+        else listBuffer_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearBuffer_);
+    });
+    neighbours_ = chunkNeighbours(cloud_, PairContacts::chunkSize, 6*most);
+    sinceList_ = 0;
+}
+
+void SoftIntegrator::grantNear()
+{
+    constexpr double least = 8;      // sub-steps of the fastest, before anyone looks closer
+    const double interval = nearInterval(), most = 0.5*widestBuffer();
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        const ChunkMotion& m = motion_[c];
+        nearBuffer_.grant(c, cloud_, m.frame, interval, least*m.speed*step_, most);
+    });
+    sinceNear_ = 0;
+}
+
+void SoftIntegrator::findNeighbours()
+{
+    std::vector<double> reach(cloud_.size());
+    double widest = 0;
+    for (std::size_t i = 0; i < cloud_.size(); ++i)
+    {
+        reach[i] = cloud_.rows[i].radius + listBuffer_.of(i);
+        widest += listBuffer_.of(i)/double(cloud_.size());
+    }
+    const Row* rows = cloud_.rows.data();
+    const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
+                          sizeof(Row)/sizeof(double)};
+    // not kept: most of the time its memory would lie idle
+    PairSearch().find(spheres, cloud_.box, settings_.search, settings_.cellLayers,
+                      settings_.threads, list_);
+    density_ = std::max(0.2, double(list_.size())/double(cloud_.size())
+                             /(1 + 2*widest/cloud_.mean));
+}
+
+void SoftIntegrator::selectNear()
+{
+    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    {
+        contacts_.refresh(c, cloud_, list_, nearBuffer_);
+    });
+    contacts_.connect();
+}
+
+/// New near pairs, and a new list if this one leaves no room for them.
+void SoftIntegrator::refresh()
+{
+    const std::size_t chunks = contacts_.chunks();
+    forEach(settings_.threads, chunks, [&](std::size_t c) { nearBuffer_.measure(c, cloud_); });
+    for (std::size_t c = 0; c < chunks; ++c) nearBuffer_.learn(c, sinceNear_, neighbours_);
+    measureMotion();
+    grantNear();
+    forEach(settings_.threads, chunks,
+            [&](std::size_t c) { listBuffer_.measure(c, cloud_, &nearBuffer_); });
+    bool enough = listBuffer_.farthest() < 2*widestBuffer();
+    for (std::size_t c = 0; enough && c < chunks; ++c) enough = listBuffer_.suffices(c, neighbours_);
+    if (enough) return selectNear();
+    for (std::size_t c = 0; c < chunks; ++c) listBuffer_.learn(c, sinceList_, neighbours_);
+    rebuild();
+}
+
+void SoftIntegrator::refreshWalls(std::size_t chunk)
+{
+    const double margin = std::max(0.25*cloud_.mean, 8*motion_[chunk].wallSpeed*step_);
+    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, PairContacts::chunkBegin(chunk),
+                                          contacts_.chunkEnd(chunk), margin);
+    motion_[chunk].wallWay = 0;
+}
+
+/// True if no touch can have been missed; looks closer where the bounds do not tell.
+bool SoftIntegrator::nearSuffices()
+{
+    if (nearBuffer_.farthest() > 2*widestBuffer()) return false;
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        if (nearBuffer_.suffices(c, neighbours_)) continue;
+        nearBuffer_.measure(c, cloud_);
+        if (nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) continue;
+        for (std::uint32_t n : neighbours_[c]) nearBuffer_.measure(n, cloud_);
+        if (!nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) return false;
+    }
+    return true;
+}
+
+/// Refreshes or rebuilds what may miss a touch after the way gone so far.
+void SoftIntegrator::ensureLists()
+{
+    if (!valid_ || searchesEveryStep()) return rebuild();
+    if (!nearSuffices()) refresh();
+    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    {
+        if (!(motion_[c].wallWay < wallMargin_[c])) refreshWalls(c);
+    }
+}
+
+} // namespace elutria::dem

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "neighbours/PairSearch.hpp"
+#include "soft/SoftCloud.hpp"
+
+#include <vector>
+
+namespace elutria::dem
+{
+
+/// How chunks of particles move: a frame goes with each chunk's mean velocity.
+struct ChunkMotion
+{
+    Vector3 frame;                       // m/s
+    double speed = 0, wallSpeed = 0;     // m/s, of the fastest: in the frame, at rest with the walls
+    double wallWay = 0;                  // m, of the fastest since the walls were looked for
+};
+
+/// For each chunk the others that its particles may meet.
+using ChunkNeighbours = std::vector<std::vector<std::uint32_t>>;
+
+/// Neighbours are chunks whose boxes around all surfaces are nearer than `reach`, m.
+ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach);
+
+/// How far particles may go before a list misses a pair, and what is left of it.
+///
+/// A list holds the pairs whose gap is below the sum of both buffers. A particle's buffer is the way at
+/// its own speed over the planned interval, plus a share for surprises, learnt by each chunk from
+/// the interval before: so a few fast particles make the lists of the others neither long nor
+/// short-lived. Between steps only bounds are kept, by chunk: ways add up in the chunk's
+/// frame, frames shift against each other. measure() replaces a bound by what the particles did, which
+/// is far less where they go to and fro.
+class VerletBuffer
+{
+public:
+    /// Forgets what was learnt.
+    void forget() { chunks_.clear(), anchors_.clear(); }
+
+    void resize(std::size_t particles, std::size_t chunkSize);
+    std::size_t chunks() const { return chunks_.size(); }
+
+    /// First guess of a chunk's surprises, m/s.
+    void expect(std::size_t chunk, double rate);
+    /// Learns from what measure() found after `elapsed` s; the chunk's neighbours' shifts count.
+    void learn(std::size_t chunk, double elapsed, const ChunkNeighbours& neighbours);
+    /// Mean speed at which buffers are used up, m/s.
+    double meanRate() const;
+
+    /// Grants all particles of the chunk a new buffer for `interval` s, from `least` to `most`, m,
+    /// and none below twice what `others` grant.
+    void grant(std::size_t chunk, const SoftCloud& cloud, const Vector3& frame, double interval,
+               double least, double most, const VerletBuffer* others = nullptr);
+    /// The same, equal for all, m.
+    void grant(std::size_t chunk, const SoftCloud& cloud, double equal);
+
+    /// Takes off a way of the fastest particle in the frame, and moves the frame.
+    void use(std::size_t chunk, double way, const Vector3& shift);
+    /// Finds out what is left, now and after setting aside what `others` grant each particle.
+    void measure(std::size_t chunk, const SoftCloud& cloud, const VerletBuffer* others = nullptr);
+
+    /// False if pairs of the chunk with its neighbours may have come closer by more than their
+    /// buffers less `reserve`, m.
+    bool suffices(std::size_t chunk, const ChunkNeighbours& neighbours, double reserve = 0) const;
+    /// Bound of the approach of any two particles, m.
+    double farthest() const;
+
+    float of(std::size_t particle) const { return anchors_[particle].buffer; }
+    std::size_t bytes() const;
+
+private:
+    struct Anchor
+    {
+        float x, y, z;                   // m, from the chunk's origin
+        float buffer;                    // m
+    };
+    struct Chunk
+    {
+        Vector3 origin, shift;           // m
+        double share = 0;                // m, of each buffer, for surprises
+        double left = 0, way = 0;        // m, least left and farthest way of a particle
+        double meanWay = 0;              // m
+        double rate = 0, meanRate = 0;   // m/s
+        double rounding = 0;             // m, of the anchors
+    };
+
+    void anchor(std::size_t chunk, const SoftCloud& cloud);
+    std::size_t begin(std::size_t c) const { return c*chunkSize_; }
+    std::size_t end(std::size_t c) const
+    {
+        return std::min(anchors_.size(), (c + 1)*chunkSize_);
+    }
+
+    std::vector<Chunk> chunks_;
+    std::vector<Anchor> anchors_;
+    std::size_t chunkSize_ = 1;
+};
+
+} // namespace elutria::dem
