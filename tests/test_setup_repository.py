@@ -14,6 +14,22 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = {".C", ".H", ".cpp", ".hpp", ".inl"}
 
+# Folders of a part of the solver: each includes itself and those before it, no other
+ORDER = {
+    "solver/coupling": [
+        "laws",
+        "foam",
+        "averaging",
+        "parallel",
+        "feed",
+        "outlets",
+        "contacts",
+        "forces",
+        "cloud",
+    ],
+    "solver/app/elutriaFoam": ["run", "gas", "schedule"],
+}
+
 
 def includes(folder: Path) -> list[tuple[Path, str, str]]:
     """(file, kind of quote, name) of every #include below a folder, make's links left out."""
@@ -91,6 +107,28 @@ def test_the_coupling_includes_nothing_of_the_application() -> None:
         if Path(name).name in above - own or "app/" in name
     ]
     assert strangers == []
+
+
+@pytest.mark.parametrize("part", ORDER)
+def test_folders_include_in_one_order(part: str) -> None:
+    base, order = ROOT / part, ORDER[part]
+    folders = {file.parent for file in base.rglob("*.[CH]") if not file.is_symlink()}
+    strangers = {folder.name for folder in folders} - {base.name, "tests", *order}
+    assert strangers == set(), f"{part}: folders without a place in the order"
+
+    headers = {file.name for file in base.rglob("*.H") if not file.is_symlink()}
+    arrows, wrong = 0, []
+    for file, _, name in includes(base):
+        here, to = file.parent.name, Path(name).parent.name
+        where = f"{file.relative_to(ROOT)}: {name}"
+        if to == "" and name in headers:
+            wrong.append(f"{where}: named without its folder")
+        elif to in order:
+            arrows += to != here
+            if here in order and order.index(to) > order.index(here):
+                wrong.append(f"{where}: against the order")
+    assert wrong == []
+    assert arrows, f"{part}: no include between folders was found"
 
 
 def test_no_tracked_file_holds_a_path_of_this_machine() -> None:

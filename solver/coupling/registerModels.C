@@ -10,13 +10,13 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "basicKinematicCollidingCloud.H"
-#include "CellListCollision.H"
-#include "ContinuousDispersion.H"
-#include "FeedInjection.H"
-#include "OutletRecorder.H"
-#include "LawDragForce.H"
-#include "DragLaws.H"
-#include "foamVersion.H"
+#include "contacts/CellListCollision.H"
+#include "forces/ContinuousDispersion.H"
+#include "feed/FeedInjection.H"
+#include "outlets/OutletRecorder.H"
+#include "forces/LawDragForce.H"
+#include "laws/DragLaws.H"
+#include "foam/foamVersion.H"
 
 namespace Foam
 {

@@ -15,12 +15,12 @@ Description
 
 \*---------------------------------------------------------------------------*/
 
-#include "GasPhase.H"
-#include "ScenePlan.H"
-#include "WholeTime.H"
-#include "ending.H"
-#include "foamVersion.H"
-#include "requirePositive.H"
+#include "gas/GasPhase.H"
+#include "schedule/ScenePlan.H"
+#include "run/WholeTime.H"
+#include "run/ending.H"
+#include "foam/foamVersion.H"
+#include "foam/requirePositive.H"
 #include "sigFpe.H"
 
 using namespace Foam;

@@ -1,0 +1,505 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "gas/GasPhase.H"
+#include "adjustPhi.H"
+#include "extrapolatedCalculatedFvPatchFields.H"
+#include "fixedFluxPressureFvPatchScalarField.H"
+#include "fixedValueFvPatchFields.H"
+#include "foam/requirePositive.H"
+#include "wallPolyPatch.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+//- Root mean square over the volume
+scalar rms(const volVectorField& field)
+{
+    const scalarField& V = field.mesh().V();
+    return std::sqrt(gSum(magSqr(field.primitiveField())*V)/gSum(V));
+}
+
+
+//- Is there a patch that gas could pass?
+bool isOpen(const fvMesh& mesh)
+{
+    bool open = false;
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        open = open ||
+        (
+            !patch.coupled()
+         && !isA<wallPolyPatch>(patch)
+         && !polyPatch::constraintType(patch.type())
+        );
+    }
+    return returnReduce(open, orOp<bool>());
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+IOobject GasPhase::fieldHeader
+(
+    const word& name,
+    IOobject::readOption read
+) const
+{
+    return IOobject
+    (
+        name, mesh_.time().timeName(), mesh_, read, IOobject::AUTO_WRITE
+    );
+}
+
+
+tmp<volVectorField> GasPhase::reconstruct(const surfaceScalarField& flux) const
+{
+    auto tresult = tmp<volVectorField>::New
+    (
+        IOobject("reconstruct(" + flux.name() + ')', mesh_.time().timeName(), mesh_),
+        mesh_,
+        dimensionedVector(flux.dimensions()/dimArea, Zero),
+        extrapolatedCalculatedFvPatchVectorField::typeName
+    );
+    vectorField& sum = tresult.ref().primitiveFieldRef();
+
+    const labelUList& owner = mesh_.owner();
+    const labelUList& neighbour = mesh_.neighbour();
+    forAll(neighbour, facei)
+    {
+        const vector part
+        (
+            mesh_.Sf()[facei]*(flux[facei]/mesh_.magSf()[facei])
+        );
+        sum[owner[facei]] += part;
+        sum[neighbour[facei]] += part;
+    }
+    forAll(mesh_.boundary(), patchi)
+    {
+        const fvPatch& patch = mesh_.boundary()[patchi];
+        const fvsPatchScalarField& patchFlux = flux.boundaryField()[patchi];
+        forAll(patchFlux, i)
+        {
+            sum[patch.faceCells()[i]] +=
+                patch.Sf()[i]*(patchFlux[i]/patch.magSf()[i]);
+        }
+    }
+    sum = faceSumInverse_ & sum;
+    tresult.ref().correctBoundaryConditions();
+    return tresult;
+}
+
+
+tmp<fvVectorMatrix> GasPhase::momentum(const volScalarField& coefficient)
+{
+    return
+        fvm::ddt(alpha_, U_) + fvm::div(alphaPhi_, U_)
+      - fvm::Sp(fvc::ddt(alpha_) + fvc::div(alphaPhi_), U_)
+      + turbulence_->divDevReff(U_)
+     ==
+      - fvm::Sp(coefficient/rho_, U_);
+}
+
+
+void GasPhase::correctPressure
+(
+    const fvVectorMatrix& momentum,
+    const volScalarField& rAU,
+    const surfaceScalarField& rAUf,
+    const surfaceScalarField& forceFlux,
+    const surfaceScalarField& inletDrag
+)
+{
+    volVectorField HbyA(constrainHbyA(rAU*momentum.H(), U_, p_));
+    surfaceScalarField phiHbyA
+    (
+        "phiHbyA",
+        fvc::flux(HbyA) + alphaf_*rAUf*fvc::ddtCorr(U_, phi_)
+    );
+    if (p_.needReference() && isOpen(mesh_))
+    {
+        adjustPhi(phiHbyA, U_, p_);
+    }
+    phiHbyA += forceFlux - inletDrag;
+    constrainPressure(p_, U_, phiHbyA, rAUf);
+
+    while (pimple_.correctNonOrthogonal())
+    {
+        fvScalarMatrix pressure
+        (
+            fvm::laplacian(alphaf_*rAUf, p_)
+         ==
+            fvc::ddt(alpha_) + fvc::div(alphaf_*phiHbyA)
+        );
+        pressure.setReference(pRefCell_, pRefValue_);
+        pressure.solve
+        (
+            mesh_.solver(p_.select(pimple_.finalInnerIter()))
+        );
+
+        if (pimple_.finalNonOrthogonalIter())
+        {
+            const surfaceScalarField pressureFlux(pressure.flux()/alphaf_);
+            phi_ = phiHbyA - pressureFlux;
+            alphaPhi_ = alphaf_*phi_;
+            p_.relax();
+            U_ =
+                HbyA
+              + rAU*reconstruct((forceFlux - pressureFlux)/rAUf);
+            U_.correctBoundaryConditions();
+        }
+    }
+}
+
+
+tmp<surfaceScalarField> GasPhase::inletDrag
+(
+    const volScalarField& coefficient,
+    const surfaceScalarField& rAUf
+) const
+{
+    auto tdrag = tmp<surfaceScalarField>::New
+    (
+        IOobject("inletDrag", mesh_.time().timeName(), mesh_),
+        mesh_,
+        dimensionedScalar(dimVolume/dimTime, Zero)
+    );
+    surfaceScalarField::Boundary& drag = tdrag.ref().boundaryFieldRef();
+    forAll(drag, patchi)
+    {
+        if (isA<fixedFluxPressureFvPatchScalarField>(p_.boundaryField()[patchi]))
+        {
+            drag[patchi] =
+                rAUf.boundaryField()[patchi]
+               *coefficient.boundaryField()[patchi]
+               /rho_.boundaryField()[patchi]
+               *(
+                    U_.boundaryField()[patchi]
+                  & mesh_.Sf().boundaryField()[patchi]
+                );
+        }
+    }
+    return tdrag;
+}
+
+
+void GasPhase::reportContinuity()
+{
+    const volScalarField error(fvc::ddt(alpha_) + fvc::div(alphaPhi_));
+    const scalar dt = mesh_.time().deltaTValue();
+    const scalar local =
+        dt*fvc::domainIntegrate(mag(error)).value()/gSum(mesh_.V());
+    const scalar global =
+        dt*fvc::domainIntegrate(error).value()/gSum(mesh_.V());
+    cumulativeContinuityError_ += global;
+
+    Info<< "time step continuity errors : sum local = " << local
+        << ", global = " << global
+        << ", cumulative = " << cumulativeContinuityError_ << endl;
+}
+
+
+void GasPhase::keepBoundaries()
+{
+    solvedU_.setSize(mesh_.boundary().size());
+    solvedP_.setSize(mesh_.boundary().size());
+    forAll(mesh_.boundary(), patchi)
+    {
+        solvedU_[patchi] = U_.boundaryField()[patchi];
+        solvedP_[patchi] = p_.boundaryField()[patchi];
+    }
+    boundaryChange_ = 0;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+GasPhase::GasPhase
+(
+    fvMesh& mesh,
+    pimpleControl& pimple,
+    const dimensionedVector& g
+)
+:
+    mesh_(mesh),
+    pimple_(pimple),
+    g_(g),
+    name_
+    (
+        IOdictionary
+        (
+            IOobject
+            (
+                "transportProperties",
+                mesh.time().constant(),
+                mesh,
+                IOobject::MUST_READ,
+                IOobject::NO_WRITE,
+                false
+            )
+        ).get<word>("continuousPhase")
+    ),
+    U_(fieldHeader(IOobject::groupName("U", name_), IOobject::MUST_READ), mesh),
+    p_(fieldHeader("p", IOobject::MUST_READ), mesh),
+    phi_
+    (
+        fieldHeader
+        (
+            IOobject::groupName("phi", name_), IOobject::READ_IF_PRESENT
+        ),
+        fvc::flux(U_)
+    ),
+    transport_(U_, phi_),
+    rho_
+    (
+        fieldHeader(IOobject::groupName("rho", name_), IOobject::NO_READ),
+        mesh,
+        dimensionedScalar
+        (
+            IOobject::groupName("rho", name_), dimDensity, transport_
+        )
+    ),
+    mu_
+    (
+        fieldHeader(IOobject::groupName("mu", name_), IOobject::NO_READ),
+        rho_*transport_.nu()
+    ),
+    alpha_
+    (
+        fieldHeader
+        (
+            IOobject::groupName("alpha", name_), IOobject::READ_IF_PRESENT
+        ),
+        mesh,
+        dimensionedScalar("one", dimless, 1)
+    ),
+    alphaf_("alphaf", fvc::interpolate(alpha_)),
+    alphaPhi_
+    (
+        fieldHeader(IOobject::groupName("alphaPhi", name_), IOobject::NO_READ),
+        alphaf_*phi_
+    ),
+    turbulence_(nullptr),
+    pRefCell_(0),
+    pRefValue_(0),
+    faceSumInverse_
+    (
+        inv
+        (
+            fvc::surfaceSum(mesh.Sf()*mesh.Sf()/mesh.magSf())().primitiveField()
+        )
+    ),
+    cumulativeContinuityError_(0),
+    courantRate_(-1),
+    boundaryChange_(0),
+    extraSteps_(0)
+{
+    requirePositive(rho_.name(), gMin(rho_.primitiveField()), transport_);
+    requirePositive("nu", gMin(transport_.nu()().primitiveField()), transport_);
+    setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
+    mesh.setFluxRequired(p_.name());
+    keepBoundaries();
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void GasPhase::startTurbulence()
+{
+    // From here on kept: the first step's change counts too
+    alpha_.oldTime();
+
+    turbulence_ = turbulenceModelType::New
+    (
+        alpha_, geometricOneField(), U_, alphaPhi_, phi_, transport_
+    );
+}
+
+
+void GasPhase::correctTransport()
+{
+    transport_.correct();
+    mu_ = rho_*transport_.nu();
+}
+
+
+void GasPhase::setVoidFraction(const volScalarField& fraction)
+{
+    alpha_ = fraction;
+    alpha_.correctBoundaryConditions();
+    alphaf_ = fvc::interpolate(alpha_);
+    alphaPhi_ = alphaf_*phi_;
+}
+
+
+void GasPhase::setSolidFraction(const volScalarField& solid)
+{
+    setVoidFraction((1.0 - solid)());
+}
+
+
+void GasPhase::forgetVolumeChange()
+{
+    alpha_.oldTime() == alpha_;
+}
+
+
+void GasPhase::setArrived(const volScalarField& solid)
+{
+    volScalarField& before = alpha_.oldTime();
+    const scalar least = min(gMin(alpha_), gMin(before));
+    before.primitiveFieldRef() = min
+    (
+        max(before.primitiveField() - solid.primitiveField(), least),
+        scalar(1)
+    );
+    before.correctBoundaryConditions();
+}
+
+
+void GasPhase::solve
+(
+    const volVectorField& force,
+    const volScalarField& coefficient,
+    const scalar dt
+)
+{
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar runStep = runTime.deltaTValue();
+    runTime.setDeltaT(dt, false);
+    courantRate_ = -1;
+
+    while (pimple_.loop())
+    {
+        tmp<fvVectorMatrix> equation(momentum(coefficient));
+        fvVectorMatrix& UEqn = equation.ref();
+        UEqn.relax();
+
+        const volScalarField rAU(1.0/UEqn.A());
+        const surfaceScalarField rAUf("Dp", fvc::interpolate(rAU));
+        // On faces the force loses a little of its sum where rAU varies: that
+        // comes back evenly, so that the gas gets what the particles gave
+        surfaceScalarField forceFlux(fvc::flux(rAU*force));
+        const dimensionedVector missing
+        (
+            fvc::domainIntegrate(force - reconstruct(forceFlux/rAUf))
+           /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
+        );
+        forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
+        const surfaceScalarField inletFlux(inletDrag(coefficient, rAUf));
+
+        if (pimple_.momentumPredictor())
+        {
+            Foam::solve
+            (
+                UEqn
+             ==
+                reconstruct
+                (
+                    forceFlux/rAUf - fvc::snGrad(p_)*mesh_.magSf()
+                )
+            );
+        }
+        while (pimple_.correct())
+        {
+            correctPressure(UEqn, rAU, rAUf, forceFlux, inletFlux);
+        }
+        if (pimple_.turbCorr())
+        {
+            turbulence_->correct();
+        }
+    }
+    reportContinuity();
+    keepBoundaries();
+    runTime.setDeltaT(runStep, false);
+}
+
+
+void GasPhase::followBoundaries()
+{
+    scalar change = 0, rise = 0;
+    forAll(mesh_.boundary(), patchi)
+    {
+        fvPatchVectorField& U = U_.boundaryFieldRef(false)[patchi];
+        if (isA<fixedValueFvPatchVectorField>(U))
+        {
+            U.evaluate();
+            change = max(change, max(mag(U - solvedU_[patchi])));
+        }
+        fvPatchScalarField& p = p_.boundaryFieldRef(false)[patchi];
+        if (isA<fixedValueFvPatchScalarField>(p))
+        {
+            p.evaluate();
+            rise = max(rise, max(mag(p - solvedP_[patchi])));
+        }
+    }
+    boundaryChange_ = returnReduce(max(change, sqrt(rise)), maxOp<scalar>());
+}
+
+
+scalar GasPhase::boundaryChange() const
+{
+    return boundaryChange_ > 0 ? boundaryChange_/meanSpeed() : 0;
+}
+
+
+scalar GasPhase::relative(const volVectorField& change) const
+{
+    return rms(change)/meanSpeed();
+}
+
+
+scalar GasPhase::courantRate() const
+{
+    if (courantRate_ < 0)
+    {
+        const scalarField through(fvc::surfaceSum(mag(phi_))().primitiveField());
+        courantRate_ = max(0.5*gMax(through/mesh_.V().field()), VSMALL);
+    }
+    return courantRate_;
+}
+
+
+scalar GasPhase::inflow(const surfaceScalarField& phi)
+{
+    scalar sum = 0;
+    forAll(phi.boundaryField(), patchi)
+    {
+        if (!phi.mesh().boundary()[patchi].coupled())
+        {
+            sum -= Foam::sum(min(phi.boundaryField()[patchi], scalar(0)));
+        }
+    }
+    return returnReduce(sum, sumOp<scalar>());
+}
+
+
+scalar GasPhase::throughTime() const
+{
+    const scalar entering = inflow(phi_);
+    return entering > VSMALL ? gSum(mesh_.V())/entering : GREAT;
+}
+
+
+scalar GasPhase::meanSpeed() const
+{
+    return max(rms(U_), VSMALL);
+}
+
+
+scalar GasPhase::meanDensity() const
+{
+    return gAverage(rho_.primitiveField());
+}
+
+
+} // End namespace Foam

@@ -1,0 +1,266 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    GasPhase's way through a window of time: in how many steps, taken again
+    where the result is not sound.
+
+\*---------------------------------------------------------------------------*/
+
+#include "gas/GasPhase.H"
+#include "gas/GasState.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+//- Above it the gas is no longer the incompressible gas that was asked for
+constexpr scalar largestSpeed = 1000;   // m/s
+
+//- Cells over which viscosity may spread momentum in a step, squared: PISO
+//  splits pressure and velocity, and loses momentum beyond
+constexpr scalar largestDiffusion = 10;
+
+//- Parts of a window: beyond them its gas is nearly steady anyway
+constexpr label mostSteps = 64;
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+tmp<volVectorField> GasPhase::solveInSteps
+(
+    const volVectorField& force,
+    const volScalarField& coefficient,
+    const volScalarField& alphaStart,
+    const volScalarField& alphaEnd,
+    const scalar dt,
+    const label steps
+)
+{
+    const volVectorField before("before", U_);
+    if (steps == 1)
+    {
+        solve(force, coefficient, dt);
+        return U_ - before;
+    }
+
+    // Indices of time that the run itself does not reach tell the steps' old
+    // values apart
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar now = runTime.value();
+    const label index = runTime.timeIndex();
+
+    tmp<volVectorField> tmean(U_ - before);
+    setVoidFraction(alphaStart);
+    for (label step = 1; step <= steps && unsound().empty(); ++step)
+    {
+        runTime.setTime(now, labelMax/2 + extraSteps_++ % (labelMax/2));
+        const scalar done = scalar(step)/steps;
+        setVoidFraction(((1 - done)*alphaStart + done*alphaEnd)());
+        solve(force, coefficient, dt/steps);
+        tmean.ref() += (U_ - before)/scalar(steps);
+    }
+    setVoidFraction(alphaEnd);
+    runTime.setTime(now, index);
+    return tmean;
+}
+
+
+void GasPhase::warnOfViscosity(const scalar dt) const
+{
+    const scalarField spread
+    (
+        turbulence_->nuEff()().primitiveField()*dt
+       /pow(mesh_.V().field(), 2.0/3.0)
+    );
+    const scalar most = gMax(spread);
+    if (most > largestDiffusion)
+    {
+        Info<< "    Warning: viscosity spreads momentum over " << sqrt(most)
+            << " cells in a gas step, allowed: " << sqrt(largestDiffusion)
+            << "; lower deltaT" << endl;
+    }
+}
+
+
+void GasPhase::finishLoops()
+{
+    while (pimple_.correctNonOrthogonal())
+    {}
+    while (pimple_.correct())
+    {}
+    while (pimple_.loop())
+    {}
+}
+
+
+label GasPhase::unsoundCell() const
+{
+    forAll(U_, celli)
+    {
+        if
+        (
+            !(magSqr(U_[celli]) < sqr(largestSpeed))
+         || !(mag(p_[celli]) < GREAT)
+        )
+        {
+            return celli;
+        }
+    }
+    return -1;
+}
+
+
+string GasPhase::unsound() const
+{
+    label cell = unsoundCell();
+    label finder = cell < 0 ? Pstream::nProcs() : Pstream::myProcNo();
+    reduce(finder, minOp<label>());
+    if (finder == Pstream::nProcs())
+    {
+        return "";
+    }
+
+    const bool mine = finder == Pstream::myProcNo();
+    point place(mine ? mesh_.C()[cell] : point::zero);
+    scalar speed = mine ? mag(U_[cell]) : 0;
+    cell = mine ? cell : 0;
+    reduce(place, sumOp<vector>());
+    reduce(speed, sumOp<scalar>());
+    reduce(cell, sumOp<label>());
+
+    OStringStream text;
+    text<< "the gas diverged at time " << mesh_.time().timeName()
+        << " s in cell " << cell << " at " << place << " (speed " << speed
+        << " m/s, allowed: " << largestSpeed << ")";
+    return text.str();
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+tmp<volVectorField> GasPhase::advance
+(
+    const ElutriaCloud::GasExchange& particles,
+    const scalar dt,
+    const scalar courant,
+    const label retakes
+)
+{
+    // The explicit part at the velocity the particles saw
+    const volVectorField force
+    (
+        (particles.force + particles.coefficient*U_)/rho_
+    );
+    const volScalarField alphaEnd("alphaEnd", alpha_);
+    const volScalarField alphaStart("alphaStart", alpha_.oldTime());
+    const GasState before(mesh_);
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar now = runTime.value(), runStep = runTime.deltaTValue();
+    const label index = runTime.timeIndex();
+
+    const scalar asked = dt*courantRate()/courant*(1 - SMALL);
+    label steps = label(max(scalar(1), ceil(min(asked, scalar(mostSteps)))));
+    if (asked > mostSteps)
+    {
+        Info<< "    Warning: the gas crosses up to " << asked*courant/steps
+            << " cells in each of " << steps << " parts of its step, allowed: "
+            << courant << " (gasCourant); lower deltaT or maxCo" << endl;
+    }
+    warnOfViscosity(dt/steps);
+    for (label attempt = 0; ; ++attempt)
+    {
+        tmp<volVectorField> change;
+        string trouble;
+        try
+        {
+            change = solveInSteps
+            (
+                force, particles.coefficient, alphaStart, alphaEnd, dt, steps
+            );
+            trouble = unsound();
+        }
+        catch (const error& broken)
+        {
+            // OpenFOAM breaks off where an equation's residual is not a number
+            finishLoops();
+            runTime.setDeltaT(runStep, false);
+            runTime.setTime(now, index);
+            trouble = unsound();
+            if (trouble.empty())
+            {
+                throw;
+            }
+        }
+        if (trouble.empty())
+        {
+            return change;
+        }
+
+        before.restore();
+        courantRate_ = -1;
+        if (attempt == retakes)
+        {
+            throw UnsoundStep
+            (
+                trouble + ", also after " + Foam::name(retakes)
+              + " retakes with smaller steps; likely causes: an inflow or a"
+                " pressure that is not meant, cells too coarse or of poor"
+                " quality, or a void fraction near its minimum"
+            );
+        }
+        steps *= 2;
+        Info<< "    Warning: " << trouble.c_str()
+            << ": taken again from before in " << steps << " steps" << endl;
+    }
+}
+
+
+void GasPhase::converge
+(
+    const ElutriaCloud::GasExchange& none,
+    const scalar courant,
+    const scalar tolerance,
+    const label retakes
+)
+{
+    Time& runTime = const_cast<Time&>(mesh_.time());
+    const scalar start = runTime.value();
+    const label index = runTime.timeIndex();
+    const scalar runStep = runTime.deltaTValue();
+    const scalar through = throughTime();
+    if (through >= GREAT)
+    {
+        return;
+    }
+
+    // Ten passes of the gas are enough where it settles at all
+    scalar change = GREAT, passed = 0;
+    label steps = 0;
+    while (change > tolerance && passed < 10*through)
+    {
+        const scalar dt = min(courant/courantRate(), through);
+        runTime.setTime(start, index + ++steps);
+        runTime.setDeltaT(dt, false);
+
+        change = relative(advance(none, dt, GREAT, retakes)())*through/dt;
+        passed += dt;
+    }
+    runTime.setDeltaT(runStep, false);
+    runTime.setTime(start, index);
+
+    Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
+        << " passes; change per pass " << change
+        << (change > tolerance ? " (not below " : " (below ") << tolerance
+        << ")" << endl;
+}
+
+
+} // End namespace Foam

@@ -1,0 +1,244 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    ElutriaCloud's steps 4 and 5: the parcels' way through the mesh.
+
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/ElutriaCloud.H"
+#include "foam/engineVectors.H"
+#include "foam/foamVersion.H"
+#include "parallel/ParcelTransfer.H"
+#include "meshTools.H"
+#include "contacts/MirrorPatches.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+List<ElutriaCloud::Flight> ElutriaCloud::flights(const scalar dt)
+{
+    const elutria::dem::Particles& all = particles_;
+    const elutria::dem::PeriodicBox box =
+        contacts_ ? contacts_->engine().settings().box
+      : elutria::dem::PeriodicBox();
+
+    List<Flight> flights(starts_.size());
+    size_t i = 0;
+    for (parcelType& p : *this)
+    {
+        Flight& f = flights[i];
+        f.from = starts_[i];
+        f.displacement = toFoam
+        (
+            box.shortest(all.position[i] - toEngine(f.from))
+        );
+        f.start = p.U();
+        f.end = toFoam(all.velocity[i]);
+        f.spin = toFoam(all.spin[i]);
+        f.impulse =
+            effectiveMass_[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
+        f.dragRate = all.dragRate[i];
+
+        // What neither drag nor other forces did, contacts did
+        turnFluctuation
+        (
+            p,
+            f.end - f.start - dt*toFoam(all.acceleration[i])
+          - toFoam(all.dragImpulse[i])/all.mass[i]
+        );
+
+        meshTools::constrainDirection
+        (
+            mesh(), mesh().solutionD(), f.displacement
+        );
+        meshTools::constrainDirection(mesh(), mesh().solutionD(), f.end);
+        ++i;
+    }
+    return flights;
+}
+
+
+void ElutriaCloud::turnFluctuation(parcelType& p, const vector& thrown) const
+{
+    const scalar size = mag(thrown);
+    if (!inertialDispersion_ || size < 1e-6*mag(p.U()) + VSMALL)
+    {
+        return;
+    }
+    const vector n(thrown/size);
+    p.UTurb() -= 2*min(p.UTurb() & n, scalar(0))*n;
+}
+
+
+void ElutriaCloud::deposit(const parcelType& p, const Flight& flight)
+{
+    impulse_[p.cell()] -= p.nParticle()*flight.impulse;
+}
+
+
+void ElutriaCloud::meetPatch
+(
+    parcelType& p,
+    Flight& flight,
+    trackingData& td,
+    const scalar dt
+)
+{
+    const scalar done = p.stepFraction();
+    const vector arrival(flight.start + done*(flight.end - flight.start));
+    const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
+
+    if (contacts_ && meetsParticles(patch))
+    {
+        // The engine has dealt with the wall; the chord of a curved path cuts
+        // a corner. Go where the path ends, or along the wall towards it.
+        const point target(p.position() + (1 - done)*flight.displacement);
+        const label celli = mesh().findCell(target);
+        if (celli >= 0)
+        {
+            // Off the cell's faces by rounding, so that it is found again
+            const point inside(target + 1e-6*(mesh().C()[celli] - target));
+            p.relocate(inside, celli);
+            p.age() += (1 - done)*dt;
+            p.stepFraction() = 1;
+        }
+        else
+        {
+            const vector n(p.normal());
+            flight.displacement -= (flight.displacement & n)*n;
+            p.hitFace(flight.displacement, *this, td);
+        }
+        return;
+    }
+
+    p.U() = arrival;
+    p.hitFace(flight.displacement, *this, td);
+
+    if (td.keepParticle && p.U() != arrival)
+    {
+        turnFluctuation(p, p.U() - arrival);
+
+        // Turned by a rebound or a mirror: what the forces had still to add
+        // in this step stays
+        flight.end = p.U() + (flight.end - arrival);
+        flight.displacement = 0.5*(p.U() + flight.end)*dt;
+        flight.start = flight.end;
+    }
+}
+
+
+void ElutriaCloud::trackParcel
+(
+    parcelType& p,
+    Flight& flight,
+    trackingData& td,
+    const scalar dt
+)
+{
+    td.switchProcessor = false;
+    td.keepParticle = true;
+
+    // A parcel that slides along walls without end is left where it is
+    label attempts = 0;
+
+    while
+    (
+        td.keepParticle && !td.switchProcessor && p.stepFraction() < 1
+     && p.active()
+    )
+    {
+        const scalar before = p.stepFraction();
+        const point from(before > 0 ? p.position() : flight.from);
+        const scalar f = 1 - before;
+
+        p.trackToFace
+        (
+            f*flight.displacement - p.deviationFromMeshCentre(), f
+        );
+        const scalar spent = (p.stepFraction() - before)*dt;
+        p.age() += spent;
+
+        callPostMove(functions(), p, spent, from, td);
+        if (!p.onFace())
+        {
+            continue;
+        }
+        callPostFace(functions(), p, td);
+
+        if (p.onBoundaryFace())
+        {
+            if (spent < SMALL*dt && ++attempts > 20)
+            {
+                p.age() += f*dt;
+                p.stepFraction() = 1;
+            }
+            else
+            {
+                meetPatch(p, flight, td, dt);
+            }
+        }
+        else
+        {
+            p.hitFace(flight.displacement, *this, td);
+        }
+    }
+
+    if (td.keepParticle && !td.switchProcessor)
+    {
+        p.U() = flight.end;
+        p.angularMomentum() = p.momentOfInertia()*flight.spin;
+    }
+}
+
+
+void ElutriaCloud::track(trackingData& td, const scalar dt)
+{
+    // Parcels still to be tracked, with their flights: first all of the
+    // cloud's, then those that arrive from other processors
+    for (parcelType& p : *this)
+    {
+        p.stepFraction() = 0;
+    }
+    List<Flight> flightOf(flights(dt));
+    IDLList<parcelType> moving;
+    moving.transfer(*this);
+
+    dragRates_.clear();
+    ParcelTransfer<parcelType, Flight> transfer(mesh());
+
+    do
+    {
+        label k = 0;
+        for (parcelType& p : moving)
+        {
+            Flight& flight = flightOf[k++];
+            trackParcel(p, flight, td, dt);
+
+            if (!td.keepParticle)
+            {
+                deposit(p, flight);
+                countArrival(p, -1);
+                delete moving.remove(&p);
+            }
+            else if (td.switchProcessor)
+            {
+                transfer.add(moving.remove(&p), flight);
+            }
+            else
+            {
+                deposit(p, flight);
+                dragRates_.append(flight.dragRate);
+                addParticle(moving.remove(&p));
+            }
+        }
+    } while (transfer.exchange(moving, flightOf, td));
+}
+
+
+} // End namespace Foam

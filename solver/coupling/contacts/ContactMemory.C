@@ -1,0 +1,95 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "contacts/ContactMemory.H"
+#include "foam/stateFile.H"
+#include "foam/foamVersion.H"
+#include "IOField.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+//- Labels of one record: two names of 64 bits in halves, wall or not
+constexpr label nLabels = 5;
+
+
+uint64_t joined(const label high, const label low)
+{
+    return (uint64_t(uint32_t(high)) << 32) | uint32_t(low);
+}
+
+} // End anonymous namespace
+
+
+void contactMemory::write(const cloud& c, const elutria::dem::Engine& engine)
+{
+    const auto records = engine.exportContacts();
+
+    IOField<label> names
+    (
+        stateFile(c, "contactNames", IOobject::NO_READ),
+        label(nLabels*records.size())
+    );
+    IOField<vector> displacements
+    (
+        stateFile(c, "contactDisplacements", IOobject::NO_READ),
+        label(records.size())
+    );
+
+    label i = 0;
+    for (const auto& record : records)
+    {
+        names[nLabels*i] = label(uint32_t(record.first >> 32));
+        names[nLabels*i + 1] = label(uint32_t(record.first));
+        names[nLabels*i + 2] = label(uint32_t(record.second >> 32));
+        names[nLabels*i + 3] = label(uint32_t(record.second));
+        names[nLabels*i + 4] = record.wall;
+        const auto& t = record.tangential;
+        displacements[i++] = vector(t.x, t.y, t.z);
+    }
+    names.write();
+    displacements.write();
+}
+
+
+void contactMemory::read(const cloud& c, elutria::dem::Engine& engine)
+{
+    const IOobject namesHeader
+    (
+        stateFile(c, "contactNames", IOobject::READ_IF_PRESENT)
+    );
+    const IOField<label> names(namesHeader);
+    const IOField<vector> displacements
+    (
+        stateFile(c, "contactDisplacements", IOobject::READ_IF_PRESENT)
+    );
+
+    std::vector<elutria::dem::ContactRecord> records(displacements.size());
+    if (names.size() != nLabels*displacements.size())
+    {
+        FatalErrorInFunction
+            << namesHeader.objectPath() << " has " << names.size()
+            << " entries, allowed: " << nLabels*displacements.size()
+            << exit(FatalError);
+    }
+    forAll(displacements, i)
+    {
+        const label* name = names.cdata() + nLabels*i;
+        const vector& d = displacements[i];
+        records[i].first = joined(name[0], name[1]);
+        records[i].second = joined(name[2], name[3]);
+        records[i].wall = name[4];
+        records[i].tangential = {d.x(), d.y(), d.z()};
+    }
+    engine.importContacts(records);
+}
+
+
+} // End namespace Foam

@@ -1,0 +1,411 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "contacts/ContactSettings.H"
+#include "foam/foamVersion.H"
+#include "cyclicPolyPatch.H"
+#include "processorCyclicPolyPatch.H"
+#include "contacts/MirrorPatches.H"
+#include "Enum.H"
+#include "SubField.H"
+
+#include <stdexcept>
+
+namespace Foam
+{
+
+namespace
+{
+
+using elutria::dem::ContactLaw;
+using elutria::dem::ContactMaterial;
+using elutria::dem::ContactTreatment;
+using elutria::dem::NeighbourSearch;
+using elutria::dem::PairProperties;
+
+const Enum<ContactLaw> laws
+({
+    {ContactLaw::hertz, "hertzMindlin"},
+    {ContactLaw::linear, "linearSpringDashpot"},
+    {ContactLaw::springSliderDashpot, "springSliderDashpot"},
+});
+
+const Enum<ContactTreatment> treatments
+({
+    {ContactTreatment::automatic, "auto"},
+    {ContactTreatment::soft, "soft"},
+    {ContactTreatment::impact, "impact"},
+});
+
+const Enum<NeighbourSearch> searches
+({
+    {NeighbourSearch::automatic, "auto"},
+    {NeighbourSearch::bruteForce, "bruteForce"},
+    {NeighbourSearch::cells, "cells"},
+    {NeighbourSearch::verlet, "verlet"},
+    {NeighbourSearch::hierarchical, "hierarchical"},
+});
+
+
+ContactMaterial readMaterial(const word& name, const dictionary& dict)
+{
+    ContactMaterial material;
+    material.name = name;
+    material.youngsModulus = dict.get<scalar>("youngsModulus");
+    material.poissonRatio = dict.get<scalar>("poissonsRatio");
+    return material;
+}
+
+
+PairProperties readPair(const dictionary& dict, const ContactLaw law)
+{
+    PairProperties pair;
+    dict.readEntry("restitution", pair.restitution);
+    dict.readEntry("friction", pair.friction);
+    dict.readIfPresent("rollingFriction", pair.rollingFriction);
+    dict.readIfPresent("cohesion", pair.cohesion);
+    if (law == ContactLaw::linear)
+    {
+        dict.readEntry("normalStiffness", pair.normalStiffness);
+        dict.readIfPresent("tangentialRatio", pair.tangentialRatio);
+    }
+    return pair;
+}
+
+
+PairProperties readStockPair(const dictionary& dict)
+{
+    PairProperties pair;
+    dict.readEntry("alpha", pair.damping);
+    dict.readEntry("b", pair.exponent);
+    dict.readEntry("mu", pair.friction);
+    dict.readEntry("cohesionEnergyDensity", pair.cohesion);
+    return pair;
+}
+
+
+//- Stock's effective modulus of two materials [Pa]
+scalar effectiveModulus(const ContactMaterial& a, const ContactMaterial& b)
+{
+    return
+        1
+       /(
+            (1 - sqr(a.poissonRatio))/a.youngsModulus
+          + (1 - sqr(b.poissonRatio))/b.youngsModulus
+        );
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void ContactSettings::readOwn
+(
+    const dictionary& dict,
+    const wordList& particleNames,
+    const wordList& wallNames
+)
+{
+    settings.law = laws.get("contactLaw", dict);
+    settings.treatment =
+        treatments.getOrDefault("treatment", dict, settings.treatment);
+    settings.search = searches.getOrDefault("search", dict, settings.search);
+    settings.threads = dict.getOrDefault<label>("threads", 1);
+    settings.cellLayers = dict.getOrDefault<label>("cellLayers", 1);
+    dict.readIfPresent("stepFraction", settings.stepFraction);
+    if (settings.stepFraction > largestStepFraction)
+    {
+        FatalIOErrorInFunction(dict)
+            << "stepFraction is " << settings.stepFraction
+            << ", allowed: above 0, up to " << largestStepFraction
+            << " of a contact's duration" << exit(FatalIOError);
+    }
+    dict.readIfPresent("step", settings.step);
+    dict.readIfPresent("skin", settings.skin);
+
+    for (const word& name : particleNames)
+    {
+        materials.add(readMaterial(name, dict.subDict("particle")));
+    }
+    for (const word& name : wallNames)
+    {
+        materials.add(readMaterial(name, dict.subDict("wall")));
+    }
+
+    const label nParticle = particleNames.size();
+    const label n = nParticle + wallNames.size();
+    const dictionary& pairs = dict.subOrEmptyDict("pairs");
+
+    for (label a = 0; a < nParticle; ++a)
+    {
+        for (label b = a; b < n; ++b)
+        {
+            const word name(materials[a].name + '-' + materials[b].name);
+            const word reverse(materials[b].name + '-' + materials[a].name);
+            const word usual
+            (
+                b < nParticle ? "particleParticle" : "particleWall"
+            );
+            const dictionary& source =
+                pairs.found(name) ? pairs.subDict(name)
+              : pairs.found(reverse) ? pairs.subDict(reverse)
+              : dict.subDict(usual);
+
+            materials.setPair(a, b, readPair(source, settings.law));
+        }
+    }
+}
+
+
+void ContactSettings::readStock
+(
+    const dictionary& coeffs,
+    const dictionary& constants,
+    const wordList& particleNames,
+    const wordList& wallNames
+)
+{
+    settings.law = ContactLaw::springSliderDashpot;
+
+    const word pairModel(coeffs.get<word>("pairModel"));
+    const dictionary& pairDict = coeffs.subDict(pairModel + "Coeffs");
+
+    const word wallModel(coeffs.get<word>("wallModel"));
+    const dictionary& wallDict = coeffs.subDict(wallModel + "Coeffs");
+    const bool local = wallModel == "wallLocalSpringSliderDashpot";
+
+    const auto wallPart = [&](const word& name) -> const dictionary&
+    {
+        return local ? wallDict.subDict(name) : wallDict;
+    };
+
+    for (const word& name : particleNames)
+    {
+        materials.add(readMaterial(name, constants));
+    }
+    for (const word& name : wallNames)
+    {
+        materials.add(readMaterial(name, wallPart(name)));
+    }
+
+    const label nParticle = particleNames.size();
+    for (label a = 0; a < nParticle; ++a)
+    {
+        for (label b = a; b < nParticle; ++b)
+        {
+            materials.setPair(a, b, readStockPair(pairDict));
+        }
+        forAll(wallNames, w)
+        {
+            materials.setPair
+            (
+                a, nParticle + w, readStockPair(wallPart(wallNames[w]))
+            );
+        }
+    }
+
+    stockResolution = pairDict.get<scalar>("collisionResolutionSteps");
+    settings.stepFraction =
+        min(largestStepFraction, 1/max(stockResolution, scalar(1)));
+    for (uint32_t b = 0; b < materials.size(); ++b)
+    {
+        stockModulus =
+            max(stockModulus, effectiveModulus(materials[0], materials[b]));
+    }
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+ContactSettings::ContactSettings
+(
+    const dictionary& subModels,
+    const dictionary& constants,
+    const wordList& particleNames,
+    const polyMesh& mesh
+)
+{
+    const wordList wallNames(wallPatchNames(mesh));
+    settings.box = periodicBox(mesh);
+
+    const dictionary* own = subModels.findDict("cellListCoeffs");
+    const dictionary* stock = subModels.findDict("pairCollisionCoeffs");
+    if (own)
+    {
+        readOwn(*own, particleNames, wallNames);
+    }
+    else if (stock)
+    {
+        readStock(*stock, constants, particleNames, wallNames);
+    }
+    else
+    {
+        FatalIOErrorInFunction(subModels)
+            << "collisionModel cellList needs cellListCoeffs or"
+            << " pairCollisionCoeffs" << exit(FatalIOError);
+    }
+    try
+    {
+        materials.check();
+        walls = collectWalls(mesh, particleNames.size(), settings.box, false);
+    }
+    catch (const std::invalid_argument& error)
+    {
+        FatalIOErrorInFunction(own ? *own : *stock)
+            << error.what() << exit(FatalIOError);
+    }
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ContactSettings::meetMirrors(const label nParticle, const polyMesh& mesh)
+{
+    addMirrors(materials, nParticle, mesh);
+    walls = collectWalls(mesh, nParticle, settings.box, true);
+}
+
+
+// * * * * * * * * * * * * * * * * Functions * * * * * * * * * * * * * * * * //
+
+wordList wallPatchNames(const polyMesh& mesh)
+{
+    wordList names;
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        if (isA<wallPolyPatch>(patch))
+        {
+            names.append(patch.name());
+        }
+    }
+    return names;
+}
+
+
+elutria::dem::Walls collectWalls
+(
+    const polyMesh& mesh,
+    const uint32_t firstMaterial,
+    const elutria::dem::PeriodicBox& box,
+    const bool mirrors
+)
+{
+    // Own wall faces, triangulated as the tracking does; nine numbers and the
+    // wall's index a triangle
+    List<pointField> corners(Pstream::nProcs());
+    List<labelList> wallOf(Pstream::nProcs());
+    DynamicList<point> ownCorners;
+    DynamicList<label> ownWall;
+
+    const label mirror = wallPatchNames(mesh).size();
+    label walls = 0;
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        if (!isA<wallPolyPatch>(patch) && !(mirrors && isMirror(patch)))
+        {
+            continue;
+        }
+        const label wall = isMirror(patch) ? mirror : walls++;
+        for (const face& f : patch)
+        {
+            faceList triangles(f.nTriangles());
+            label n = 0;
+            f.triangles(mesh.points(), n, triangles);
+            for (const face& t : triangles)
+            {
+                for (const label pointi : t)
+                {
+                    ownCorners.append(mesh.points()[pointi]);
+                }
+                ownWall.append(wall);
+            }
+        }
+    }
+    corners[Pstream::myProcNo()] = ownCorners;
+    wallOf[Pstream::myProcNo()] = ownWall;
+    Pstream::gatherList(corners);
+    Pstream::gatherList(wallOf);
+
+    elutria::dem::WallGeometry geometry;
+    if (Pstream::master())
+    {
+        // Triangles share points, across processors too
+        HashTable<uint32_t, point, Hash<point>> known;
+        forAll(corners, proci)
+        {
+            forAll(wallOf[proci], i)
+            {
+                std::array<uint32_t, 3> triangle;
+                for (label k = 0; k < 3; ++k)
+                {
+                    const point& p = corners[proci][3*i + k];
+                    if (!known.found(p))
+                    {
+                        known.insert(p, geometry.points.size());
+                        geometry.points.push_back({p.x(), p.y(), p.z()});
+                    }
+                    triangle[k] = known[p];
+                }
+                geometry.triangles.push_back(triangle);
+                geometry.material.push_back
+                (
+                    firstMaterial + wallOf[proci][i]
+                );
+            }
+        }
+    }
+    return elutria::dem::Walls(std::move(geometry), box);
+}
+
+
+elutria::dem::PeriodicBox periodicBox(const polyMesh& mesh)
+{
+    elutria::dem::PeriodicBox box;
+    const boundBox bounds(mesh.bounds());
+    box.low = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
+    box.high = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
+
+    boolList periodic(3, false);
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        const auto* cyclic = isA<cyclicPolyPatch>(patch);
+        if (!cyclic || !cyclic->size() || !cyclic->owner())
+        {
+            continue;
+        }
+
+        const vector separation
+        (
+            cyclic->transform() == cyclicPolyPatch::ROTATIONAL
+          ? vector::uniform(VGREAT)
+          : cyclic->neighbPatch().faceCentres()[0] - cyclic->faceCentres()[0]
+        );
+        const label axis =
+            findMax(scalarList({mag(separation.x()), mag(separation.y()),
+            mag(separation.z())}));
+
+        const scalar length = bounds.span()[axis];
+        if (mag(mag(separation) - length) > 1e-6*length)
+        {
+            FatalErrorInFunction
+                << "cyclic patch " << patch.name() << " shifts by "
+                << separation << "; contacts allow a shift along one axis over"
+                << " the whole mesh" << exit(FatalError);
+        }
+        periodic[axis] = true;
+    }
+
+    for (label axis = 0; axis < 3; ++axis)
+    {
+        box.periodic[axis] = returnReduce(bool(periodic[axis]), orOp<bool>());
+    }
+    return box;
+}
+
+
+} // End namespace Foam
