@@ -424,3 +424,24 @@ def test_paths_that_the_texts_name_are_there() -> None:
         if not (ROOT / path).exists()
     ]
     assert gone == []
+
+
+def test_the_version_to_cite_is_the_tools() -> None:
+    project = (ROOT / "tools/pyproject.toml").read_text()
+    version = re.search(r'^version = "(.+)"', project, re.M)
+    cited = re.search(r"^version: (.+)", (ROOT / "CITATION.cff").read_text(), re.M)
+    noted = re.findall(r"^## \[([\d.]+)\] - (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    released = re.search(r"^date-released: (.+)", (ROOT / "CITATION.cff").read_text(), re.M)
+    assert version and cited and released
+    assert (version[1], cited[1]) == (noted[0][0], noted[0][0])
+    assert released[1] == noted[0][1]
+
+
+def test_the_checks_before_a_commit_are_those_of_the_tests() -> None:
+    config = (ROOT / ".pre-commit-config.yaml").read_text()
+    assert re.findall(r"repo: (\S+)", config) == ["local"]
+    entries = re.findall(r"entry: (.+)", config)
+    assert any("-m ruff check tools tests" in entry for entry in entries)
+    named = {word for entry in entries for word in entry.split() if word.startswith("tests/")}
+    assert named == {"tests/test_setup_repository.py", "tests/test_setup_documentation.py"}
+    assert all((ROOT / name).is_file() for name in named)
