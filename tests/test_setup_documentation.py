@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ast
 import re
+import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import pytest
+import typer
+
+from elutria.cli import app
 
 ROOT = Path(__file__).resolve().parents[1]
 DICTIONARIES = ROOT / "docs/user/dictionaries.md"
@@ -375,6 +379,31 @@ def column_tuples(file: Path) -> Iterator[tuple[str, ...]]:
         name = node.targets[0]
         if isinstance(name, ast.Name) and name.id.endswith("COLUMNS"):
             yield tuple(str(e.value) for e in node.value.elts if isinstance(e, ast.Constant))
+
+
+# --- commands
+
+
+def commands() -> list[tuple[str, list[str]]]:
+    """(page, words) of every elutria command in a page's code blocks."""
+    found = []
+    for page in pages():
+        blocks = re.findall(r"^\s*```\n(.*?)^\s*```", page.read_text(), re.S | re.M)
+        for line in "\n".join(blocks).splitlines():
+            if re.match(r"\s*elutria [a-z]+( |$)", line):
+                found.append((page.name, shlex.split(line, comments=True)))
+    return found
+
+
+def test_commands_in_the_texts_have_the_options_that_they_use() -> None:
+    group = typer.main.get_command(app)
+    known = group.commands  # type: ignore[attr-defined]
+    assert len(commands()) > 10
+    for page, words in commands():
+        assert words[1] in known, (page, words)
+        options = {"--help", "--debug"}
+        options |= {name for p in known[words[1]].params for name in p.opts}
+        assert {word for word in words[2:] if word.startswith("--")} <= options, (page, words)
 
 
 # --- links, and how the pages are written
