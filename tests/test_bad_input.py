@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from elutria.bench.common import run_program
 from elutria.cli import main
+from elutria_validation.harness.common import run_program
 from tests.support import malformed
 from tests.support.malformed import Input
 

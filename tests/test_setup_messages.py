@@ -108,9 +108,10 @@ def test_allwmake_without_tools_says_what_to_do(bare_machine: Path) -> None:
 def test_the_python_step_believes_only_a_finished_environment(tmp_path: Path) -> None:
     """A .venv without its stamp, as a killed set-up leaves it, is made anew."""
     shutil.copytree(ROOT / "etc", tmp_path / "etc")
-    (tmp_path / "tools").mkdir()
+    (tmp_path / "tools/validation").mkdir(parents=True)
     (tmp_path / "tools/requirements.lock").write_text("no-such-package==1.0\n")
-    (tmp_path / "tools/pyproject.toml").touch()
+    for project in ("tools", "tools/validation"):
+        (tmp_path / project / "pyproject.toml").touch()
     (tmp_path / ".venv/bin").mkdir(parents=True)
     (tmp_path / ".venv/left-over").touch()
     run = subprocess.run(

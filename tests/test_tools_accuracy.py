@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria.bench import accuracy_report as report
-from elutria.bench.accuracy_error import (
+from elutria.case.case import Case
+from elutria.classification.events import Events
+from elutria.openfoam.dictionary import read_dictionary
+from elutria_validation.benchmarks import accuracy_report as report
+from elutria_validation.benchmarks.accuracy_error import (
     Cut,
     beside_stock,
     cut_of_curve,
@@ -17,8 +20,8 @@ from elutria.bench.accuracy_error import (
     errors,
     front,
 )
-from elutria.bench.accuracy_forms import closed_forms
-from elutria.bench.accuracy_runs import (
+from elutria_validation.benchmarks.accuracy_forms import closed_forms
+from elutria_validation.benchmarks.accuracy_runs import (
     COLLISIONS,
     COURANT,
     FAST,
@@ -28,11 +31,8 @@ from elutria.bench.accuracy_runs import (
     make_case,
     step,
 )
-from elutria.bench.common import project_root, slug
-from elutria.bench.uncertainty import inlet
-from elutria.case.case import Case
-from elutria.classification.events import Events
-from elutria.openfoam.dictionary import read_dictionary
+from elutria_validation.benchmarks.uncertainty import inlet
+from elutria_validation.harness.common import project_root, slug
 
 SIZES = np.geomspace(200e-6, 1200e-6, 400)
 

@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 
 from elutria import cli
-from elutria.bench.common import Options, project_root
-from elutria.verification import bed, contacts, dispersion, drag, page, wake
-from elutria.verification.book import Chapter, Row, write_chapter
-from elutria.verification.contacts import collide, linear
-from elutria.verification.scene import Particles
+from elutria_validation import commands
+from elutria_validation.book import page
+from elutria_validation.book.book import Chapter, Row, write_chapter
+from elutria_validation.chapters import bed, contacts, dispersion, drag, wake
+from elutria_validation.chapters.contacts import collide, linear
+from elutria_validation.harness.common import Options, project_root
+from elutria_validation.harness.scene import Particles
 
 
 def judged(name: str, ours: float) -> Any:
@@ -73,7 +75,7 @@ def test_all_chapters_run_before_the_book_fails(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     modules = {"bad": judged("bad", 1.5), "none": judged("none", nan), "good": judged("good", 1.0)}
-    monkeypatch.setattr(cli, "_modules", lambda _: modules)
+    monkeypatch.setattr(commands, "modules", lambda _: modules)
     code, said = verify(capsys, "all", "--to", tmp_path)
     assert code == 1
     assert "bad: FAIL here: value of bad, m: 0.5, allowed 0.01" in said
@@ -81,7 +83,7 @@ def test_all_chapters_run_before_the_book_fails(
     assert "elutria: verify all: 2 judged rows failed" in said
     assert "good" not in said
     assert all((tmp_path / name / "chapter.json").is_file() for name in modules)
-    monkeypatch.setattr(cli, "_modules", lambda _: {"good": modules["good"]})
+    monkeypatch.setattr(commands, "modules", lambda _: {"good": modules["good"]})
     assert verify(capsys, "all", "--to", tmp_path)[0] == 0
 
 
@@ -164,7 +166,7 @@ def test_sample_own_wake_in_gas_at_rest(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", page.ORDER)
 def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
-    module = importlib.import_module(f"elutria.verification.{name}")
+    module = importlib.import_module(f"elutria_validation.chapters.{name}")
     chapter = module.run(Options(tmp_path / name, quick=True, say=print))
     assert [row for row in chapter.rows if row.allowed is not None]
     assert [row.failure for row in chapter.failed] == []

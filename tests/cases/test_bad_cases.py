@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from elutria.bench.common import run_program
-from elutria.verification.scene import BOX, CONTROL, MODELS, add_feed, change, make_scene
+from elutria_validation.harness.common import run_program
+from elutria_validation.harness.scene import BOX, CONTROL, MODELS, add_feed, change, make_scene
 from tests.support import malformed
 
 SECONDS = 5

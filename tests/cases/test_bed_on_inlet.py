@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from elutria.verification.bed import GIDASPOW, held_bed
+from elutria_validation.chapters.bed import GIDASPOW, held_bed
 
 
 @pytest.mark.parametrize("velocity", [0.1, 1.0])

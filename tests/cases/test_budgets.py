@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from elutria.bench.common import project_root, run_program
-from elutria.verification.budgets import ALLOWED, LEDGER_ALLOWED, exchange, ledger_errors
-from elutria.verification.scene import CONTROL, change, run_scene
+from elutria_validation.chapters.budgets import ALLOWED, LEDGER_ALLOWED, exchange, ledger_errors
+from elutria_validation.harness.common import project_root, run_program
+from elutria_validation.harness.scene import CONTROL, change, run_scene
 
 
 @pytest.mark.parametrize("outer", ALLOWED)

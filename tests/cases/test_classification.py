@@ -12,7 +12,7 @@ from scipy.special import erf
 
 from elutria.classification.classify import fit_events
 from elutria.classification.events import Events, read_run
-from elutria.verification.scene import (
+from elutria_validation.harness.scene import (
     BOX,
     CLOUD,
     CONTROL,

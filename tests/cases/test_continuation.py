@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from elutria.verification.scene import (
+from elutria_validation.harness.scene import (
     BOX,
     CONTROL,
     MODELS,

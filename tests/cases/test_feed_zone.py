@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from elutria.bench.common import run_program
-from elutria.verification.scene import (
+from elutria_validation.harness.common import run_program
+from elutria_validation.harness.scene import (
     BOX,
     CONTROL,
     add_feed,

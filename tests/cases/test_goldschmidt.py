@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from elutria.bench.common import run_program
-from elutria.verification.goldschmidt import TUTORIAL, copy_tutorial
-from elutria.verification.scene import CONTROL, MODELS, change, run_scene
+from elutria_validation.chapters.goldschmidt import TUTORIAL, copy_tutorial
+from elutria_validation.harness.common import run_program
+from elutria_validation.harness.scene import CONTROL, MODELS, change, run_scene
 
 
 @pytest.mark.skipif(not TUTORIAL.is_dir(), reason="Debian's openfoam-examples are not installed")

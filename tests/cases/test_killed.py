@@ -20,9 +20,9 @@ from pathlib import Path
 
 import pytest
 
-from elutria.bench.common import run_program
 from elutria.classification.events import COLUMNS
-from elutria.verification.scene import (
+from elutria_validation.harness.common import run_program
+from elutria_validation.harness.scene import (
     BOX,
     CLOUD,
     CONTROL,

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria.bench.common import project_root, run_program
-from elutria.verification.budgets import LEDGER_ALLOWED, ledger_errors
-from elutria.verification.scene import (
+from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
+from elutria_validation.harness.common import project_root, run_program
+from elutria_validation.harness.scene import (
     BOX,
     CONTACTS,
     CONTROL,

@@ -9,8 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria.bench.stability_scenes import EndedEarly, colliding, contacts, kinetic_energy, solve
-from elutria.verification.scene import (
+from elutria_validation.benchmarks.stability_scenes import (
+    EndedEarly,
+    colliding,
+    contacts,
+    kinetic_energy,
+    solve,
+)
+from elutria_validation.harness.scene import (
     BOX,
     CLOUD,
     CONTROL,

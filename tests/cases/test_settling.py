@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from elutria.physics.drag import LAWS, Gas, terminal_velocity
-from elutria.verification.scene import (
+from elutria_validation.harness.scene import (
     BOX,
     CONTROL,
     MODELS,

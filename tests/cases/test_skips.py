@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria.bench.common import project_root
-from elutria.bench.stability_scenes import bed, column, contacts
 from elutria.case.case import PARAMETERS, Case
 from elutria.classification.events import Events, read_run
 from elutria.estimates.scene import block_mesh_box, expect
 from elutria.running.run import run_case
-from elutria.verification.classification import GRAINS, loaded
-from elutria.verification.scene import CLOUD, read_gas, times
+from elutria_validation.benchmarks.stability_scenes import bed, column, contacts
+from elutria_validation.chapters.classification import GRAINS, loaded
+from elutria_validation.harness.common import project_root
+from elutria_validation.harness.scene import CLOUD, read_gas, times
 
 Note = Callable[[str, float, float], None]
 

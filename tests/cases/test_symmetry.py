@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria.verification.scene import (
+from elutria_validation.harness.scene import (
     BOX,
     CONTACTS,
     CONTROL,

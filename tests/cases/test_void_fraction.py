@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from elutria.verification.scene import (
+from elutria_validation.harness.scene import (
     BOX,
     CLOUD,
     CONTROL,

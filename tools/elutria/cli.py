@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import traceback
+from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from elutria.errors import ElutriaError, InputError, one_line, suggestion
+from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
@@ -157,114 +158,6 @@ def plot(
     _plot(results)
 
 
-@app.command(epilog="Example: elutria bench neighbours --quick")
-def bench(
-    name: Annotated[str, typer.Argument(help="Which one; 'list' names them all.")],
-    to: Annotated[Path | None, typer.Option(help="Folder; default: results/bench/NAME.")] = None,
-    repeats: Annotated[int, typer.Option(min=1, help="Runs of each timed thing.")] = 5,
-    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
-    option: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The benchmark's own options.")
-    ] = None,
-) -> None:
-    """Benchmarks: each writes csv, a figure, and the versions and machine it ran on."""
-    from elutria import bench as benchmarks
-
-    _run_module(benchmarks, name, to or Path("results/bench") / name, repeats, quick, option)
-
-
-@app.command(epilog="Example: elutria verify all --quick")
-def verify(
-    name: Annotated[str, typer.Argument(help="Which one; 'list' names them, 'all' runs all.")],
-    to: Annotated[Path | None, typer.Option(help="Folder; default: results/verify/NAME.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
-    jobs: Annotated[int, typer.Option(min=1, help="Of 'all': so many side by side.")] = 2,
-    option: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The reference's own options.")
-    ] = None,
-) -> None:
-    """Reference results, run through the code that users run; exit code 1 if a judged row fails."""
-    from concurrent.futures import ProcessPoolExecutor
-
-    from elutria import verification
-
-    if name != "all":
-        folder = to or Path("results/verify") / name
-        _refuse_failures(name, _verify_chapter(name, folder, quick, option), folder)
-        return
-    folder = to or Path("results/verify")
-    with ProcessPoolExecutor(jobs) as pool:
-        pending = {
-            chosen: pool.submit(_verify_chapter, chosen, folder / chosen, quick, option)
-            for chosen in _modules(verification)
-        }
-    _refuse_failures(
-        "all", [f"{key}: {line}" for key, done in pending.items() for line in done.result()], folder
-    )
-
-
-def _verify_chapter(name: str, folder: Path, quick: bool, option: list[str] | None) -> list[str]:
-    """A line for each judged row that failed, or for the chapter that could not be run."""
-    from elutria import verification
-
-    try:
-        chapter = _run_module(verification, name, folder, 1, quick, option)
-    except InputError:
-        raise
-    except ElutriaError as error:
-        return [f"FAIL {error}"]
-    return [] if chapter is None else [row.failure for row in chapter.failed]
-
-
-def _refuse_failures(name: str, failures: list[str], folder: Path) -> None:
-    """Raises ElutriaError where there are failures, after a line for each."""
-    if not failures:
-        return
-    for line in failures:
-        errors.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
-    raise ElutriaError(f"verify {name}: {len(failures)} judged rows failed; see {folder}")
-
-
-def _modules(package: Any) -> dict[str, Any]:
-    """By NAME, the modules of a package that have a `run`."""
-    import importlib
-    import pkgutil
-
-    found = {}
-    for entry in pkgutil.iter_modules(package.__path__):
-        module = importlib.import_module(f"{package.__name__}.{entry.name}")
-        if hasattr(module, "NAME") and hasattr(module, "run"):
-            found[module.NAME] = module
-    return found
-
-
-def _run_module(
-    package: Any, name: str, folder: Path, repeats: int, quick: bool, extra: list[str] | None
-) -> Any:
-    """What the module's `run` returns; None after `list`."""
-    from elutria.bench.common import Options
-
-    modules: dict[str, Any] = _modules(package)
-    if name == "list":
-        for key in sorted(modules):
-            console.print(f"{key}: {modules[key].HELP}", highlight=False, soft_wrap=True)
-        return None
-    if name not in modules:
-        raise InputError(
-            f"'{one_line(name, 40)}'{suggestion(name, modules)}; "
-            f"allowed: list, {', '.join(sorted(modules))}"
-        )
-    pairs = [text.partition("=") for text in extra or []]
-    if any(not (key and equals) for key, equals, _ in pairs):
-        raise InputError(f"--option {extra}; allowed: KEY=VALUE")
-    settings = {key: value for key, _, value in pairs}
-
-    def say(text: str) -> None:
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
-
-    return modules[name].run(Options(folder, repeats, quick, settings, say))
-
-
 @app.command(epilog="Example: elutria vtk results/column/U5")
 def vtk(
     case: CaseArgument,
@@ -351,6 +244,28 @@ class _SweepDisplay:
         self.display.close(name)
         self.display.say(f"{name}: {line}")
         self.display.update("all", sum(self.shares.values()) / self.runs)
+
+
+def _add_commands() -> None:
+    """The commands of other packages (entry points `elutria.commands`); bench and verify say where
+    they come from while that package is not installed."""
+    for point in entry_points(group="elutria.commands"):
+        point.load()(app)
+    known = {command.callback.__name__ for command in app.registered_commands if command.callback}
+    for name in {"bench", "verify"} - known:
+
+        @app.command(
+            name, context_settings={"allow_extra_args": True, "ignore_unknown_options": True}
+        )
+        def missing(context: typer.Context) -> None:
+            """Not installed: python -m pip install -e tools/validation"""
+            raise InputError(
+                f"{context.info_name}: is not installed; in a clone of the project: "
+                "python -m pip install -e tools/validation"
+            )
+
+
+_add_commands()
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -1,1 +1,0 @@
-"""References: each module here has NAME, HELP and run(options), as in elutria.bench."""

@@ -1,0 +1,184 @@
+"""Stability maps: a short run of elutriaFoam at each of many extreme points, and what came of it.
+
+A point is `right`, `off` (stable, but further from what is known than the map allows; `warned` or
+not), `refused` (before it started, or ended with a reason and its last sound state written) or
+`failed`. Stable means finite, nothing lost, the ledger closed, the void fraction within its bounds,
+energy within what was put in. Options: maps=NAME,NAME.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from elutria.errors import ElutriaError, InputError
+from elutria.files import write_text
+from elutria.output.plots import COLUMN_WIDTH, STYLE
+from elutria_validation.benchmarks.stability_points import MAPS, Map
+from elutria_validation.benchmarks.stability_scenes import EndedEarly, Verdict
+from elutria_validation.harness.common import Options, machine, write_result
+
+NAME = "stability"
+HELP = "stability maps: extreme steps, stiffness, loading, sizes, gas that jumps"
+COLUMNS = ("map", "x_name", "x", "y_name", "y", "class", "off_by", "warned", "what", "seconds")
+KINDS = ("right", "off", "refused", "failed")
+
+
+def run(options: Options) -> None:
+    """Runs all points; writes stability.csv, .png, .json and .md."""
+    names = options.extra.get("maps", ",".join(m.name for m in MAPS)).split(",")
+    unknown = [name for name in names if name not in [m.name for m in MAPS]]
+    if unknown:
+        allowed = ", ".join(m.name for m in MAPS)
+        raise InputError(f"maps={','.join(unknown)}; allowed: {allowed}")
+    chosen = [thinned(m) if options.quick else m for m in MAPS if m.name in names]
+    rows: list[dict[str, Any]] = []
+    with tempfile.TemporaryDirectory() as work:
+        for one in chosen:
+            rows += measure(one, Path(work) / one.name, options.say)
+    with mpl.rc_context(STYLE):
+        write_result(options, NAME, COLUMNS, rows, figure(chosen, rows), {"counts": counts(rows)})
+    write_text(options.folder / f"{NAME}.md", text(chosen, rows))
+
+
+def thinned(whole: Map) -> Map:
+    """First and last of each quantity."""
+    return Map(**{**vars(whole), "x": (whole.x[0], whole.x[-1]), "y": (whole.y[0], whole.y[-1])})
+
+
+def measure(one: Map, place: Path, say: Callable[[str], None]) -> list[dict[str, Any]]:
+    """A row per point."""
+    rows: list[dict[str, Any]] = []
+    place.mkdir()
+    for x in one.x:
+        for y in one.y:
+            start = time.monotonic()
+            folder = place / f"{one.x.index(x)}-{one.y.index(y)}"
+            try:
+                verdict = one.point(folder, x, y)
+            except EndedEarly as end:
+                verdict = end.verdict
+            except ElutriaError as error:
+                verdict = Verdict("failed", note=str(error))
+            shutil.rmtree(folder, ignore_errors=True)
+            seconds = time.monotonic() - start
+            rows.append({
+                "map": one.name, "x_name": one.x_name, "x": x, "y_name": one.y_name, "y": y,
+                "class": verdict.kind, "off_by": verdict.off, "warned": verdict.warned,
+                "what": verdict.note, "seconds": round(seconds, 2),
+            })  # fmt: skip
+            say(f"{one.name} {one.x_name} {x}, {one.y_name} {y}: {verdict.kind}"
+                f"{' (warned)' if verdict.warned else ''}: {verdict.note}")  # fmt: skip
+    shutil.rmtree(place)
+    return rows
+
+
+def unmarked(row: dict[str, Any]) -> bool:
+    """Whether a point is wrong and nothing said so."""
+    return row["class"] == "failed" or (row["class"] == "off" and not row["warned"])
+
+
+def counts(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
+    """Points of each class."""
+    by_kind = {kind: sum(row["class"] == kind for row in rows) for kind in KINDS}
+    return {"points": len(rows), **by_kind, "wrong without a warning": sum(map(unmarked, rows))}
+
+
+def text(maps: Sequence[Map], rows: Sequence[dict[str, Any]]) -> str:
+    """The page of the book: counts by map, and every point that is not right."""
+    made = machine()
+    lines = [
+        "# Stability",
+        "",
+        "Short runs of elutriaFoam at extreme points (`elutria bench stability`): how far each is",
+        "off a balance or a closed form, and whether the solver said so.",
+        "",
+        f"OpenFOAM {made['openfoam']}, {made['processor']}, commit {made['commit'][:10]}.",
+        "",
+        "| map | points | right | off | refused | failed | wrong without a warning |",
+        "| --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for name, group in [*((m.title + f" ({m.name})", [r for r in rows if r["map"] == m.name])
+                          for m in maps), ("all", list(rows))]:  # fmt: skip
+        lines.append(f"| {name} | " + " | ".join(str(n) for n in counts(group).values()) + " |")
+    lines += ["", "Points that are not right:", "",
+              "| map | point | class | off by | warned | what |", "| --- " * 6 + "|"]  # fmt: skip
+    for row in rows:
+        if row["class"] != "right":
+            point = f"{row['x_name']} {row['x']}, {row['y_name']} {row['y']}"
+            lines.append(
+                f"| {row['map']} | {point} | {row['class']} | {row['off_by']:.2g} | "
+                f"{'yes' if row['warned'] else 'no'} | {row['what']} |"
+            )
+    return "\n".join(lines) + "\n" + LIMITS
+
+
+LIMITS = """
+## Limits, and what holds them
+
+- Contact sub-steps above 0.2 of a contact's duration make energy: `stepFraction` above it is
+  refused, a `step` in seconds above it is lowered with a warning. Energy from nowhere in a step
+  (more than half above what can be) is found and the step taken again with half the sub-step.
+- A gas step that crosses more than `gasCourant` cells is taken in parts, at most 64; beyond that
+  there is a warning. Gas that is not finite or faster than 1000 m/s is taken again in twice the
+  parts, `retakes` times.
+- PISO with one corrector loop loses momentum where viscosity spreads it over more than three
+  cells in a step (nu dt/dx^2 above 10): there is a warning; lower `deltaT`, or raise
+  `nOuterCorrectors`.
+- A run that cannot go on writes its last sound state and says time, cell and likely cause.
+"""
+
+LOOKS = {  # Okabe and Ito's colours, and a shape of its own
+    "right": ("#0072B2", "o"),
+    "off": ("#E69F00", "s"),
+    "refused": ("#999999", "D"),
+    "failed": ("#D55E00", "X"),
+}
+
+
+def figure(maps: Sequence[Map], rows: Sequence[dict[str, Any]]) -> Figure:
+    """A panel per map, a mark per point; open squares are off without a warning."""
+    across = min(3, len(maps))
+    down = math.ceil(len(maps) / across)
+    drawing = Figure(figsize=(2 * COLUMN_WIDTH, 0.62 * COLUMN_WIDTH * down))
+    panels = drawing.subplots(down, across, squeeze=False).ravel()
+    for axes, one in zip(panels, maps, strict=False):
+        _draw(axes, one, [row for row in rows if row["map"] == one.name])
+    for axes in panels[len(maps) :]:
+        axes.set_axis_off()
+    names = {**{kind: kind for kind in KINDS}, "open": "off, no warning"}
+    for kind, label in names.items():
+        colour, shape = LOOKS.get(kind, LOOKS["off"])
+        face = "none" if kind == "open" else colour
+        drawing.axes[0].plot([], [], shape, color=colour, mfc=face, ms=5, ls="", label=label)
+    handles, labels = drawing.axes[0].get_legend_handles_labels()
+    drawing.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    return drawing
+
+
+def _draw(axes: Axes, one: Map, rows: Sequence[dict[str, Any]]) -> None:
+    for row in rows:
+        colour, shape = LOOKS[row["class"]]
+        face = "none" if row["class"] == "off" and not row["warned"] else colour
+        place = one.x.index(row["x"]), one.y.index(row["y"])
+        axes.plot(*place, shape, color=colour, mfc=face, ms=5)
+    axes.set_xticks(range(len(one.x)), [_short(x) for x in one.x], fontsize=5.5)
+    axes.set_yticks(range(len(one.y)), [_short(y) for y in one.y], fontsize=5.5)
+    axes.set_xlim(-0.5, len(one.x) - 0.5)
+    axes.set_ylim(-0.5, len(one.y) - 0.5)
+    axes.set_xlabel(one.x_name, fontsize=6.5)
+    axes.set_ylabel(one.y_name, fontsize=6.5)
+    axes.set_title(one.title, fontsize=7)
+
+
+def _short(value: Any) -> str:
+    return value.replace(", ", "\n") if isinstance(value, str) else f"{value:g}".replace("e+0", "e")

@@ -1,0 +1,1 @@
+"""References: each module here has NAME, HELP and run(options), as benchmarks have."""

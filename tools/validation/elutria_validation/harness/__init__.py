@@ -1,0 +1,1 @@
+"""What chapters, benchmarks, fits and tests share: cases, programs, timings, result files."""
