@@ -474,3 +474,23 @@ def test_the_checks_before_a_commit_are_those_of_the_tests() -> None:
     named = {word for entry in entries for word in entry.split() if word.startswith("tests/")}
     assert named == {"tests/test_setup_repository.py", "tests/test_setup_documentation.py"}
     assert all((ROOT / name).is_file() for name in named)
+
+
+def test_names_of_code_in_the_texts_are_there() -> None:
+    """Types, functions and constants in code marks, in the pages for developers."""
+    files = [*(ROOT / "solver").rglob("*"), *(ROOT / "tools").rglob("*.py")]
+    code = {".C", ".H", ".cpp", ".hpp", ".inl", ".py"}
+    words = {file.name for file in (ROOT / "cases").rglob("*")}
+    for file in files:
+        if file.suffix in code and not file.is_symlink():
+            words |= set(re.findall(r"\w+", file.read_text()))
+    texts_for_developers = [ROOT / "ARCHITECTURE.md", *(ROOT / "docs/developers").glob("*.md")]
+    gone, seen = [], 0
+    for page in texts_for_developers:
+        for marked in re.findall(r"`([A-Za-z_][\w:]*)(?:\([^`]*\))?`", page.read_text()):
+            for name in marked.split("::"):
+                seen += 1
+                if re.search(r"[a-z][A-Z]|^[A-Z][a-z]", name) and name not in words:
+                    gone.append(f"{page.name}: {name}")
+    assert seen > 40
+    assert gone == []
