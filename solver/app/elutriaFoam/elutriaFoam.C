@@ -15,12 +15,14 @@ Description
 
 \*---------------------------------------------------------------------------*/
 
+#include "cloud/ElutriaCloud.H"
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
-#include "run/WholeTime.H"
-#include "run/ending.H"
+#include "run/AtomicTime.H"
+#include "run/exitHandling.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
+#include "profiling.H"
 #include "sigFpe.H"
 
 using namespace Foam;
@@ -62,9 +64,10 @@ scalar asWritten(const scalar value)
 
 //- Write the step just done, and end the run with it if it is the last
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
-    const WholeTime& whole, const bool last)
+    const AtomicTime& atomic, const bool last)
 {
-    whole.write([&]()
+    addProfiling(write, "elutria::write");
+    atomic.write([&]()
     {
         cloud.writeState();
         plan.write();
@@ -84,7 +87,7 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
 //- Write the state before a step that cannot be taken, to start again from
 void writeLastSound(Time& runTime, ElutriaCloud& cloud)
 {
-    WholeTime(runTime).write([&]()
+    AtomicTime(runTime).write([&]()
     {
         cloud.writeState();
         runTime.writeNow();
@@ -125,9 +128,10 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
-        Info<< "    Warning: " << cloud.excessVolume()
-            << " m3 of solids are above the largest solid fraction "
-            << largest << " and not seen by the gas" << endl;
+        Info<< "    Warning: the solid fraction exceeds alphaMax " << largest
+            << " in some cells: the gas does not see " << cloud.excessVolume()
+            << " m3 of solids; lower the feed's loading, or raise alphaMax of"
+            << " constantProperties" << endl;
     }
 }
 
@@ -151,7 +155,7 @@ void solveGas
     {
         gas.forgetVolumeChange();
     }
-    const ElutriaCloud::GasExchange exchange(cloud.exchange());
+    const GasExchange exchange(cloud.exchange());
     plan.account(ScenePlan::partExchange);
 
     gas.correctTransport();
@@ -203,7 +207,7 @@ void settleGas
 //- From the case's files to the end of the run
 void run(const argList& args)
 {
-    WholeTime::discardHalf(args.path());
+    AtomicTime::discardIncomplete(args.path());
     #include "createTime.H"
     requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
 
@@ -215,7 +219,7 @@ void run(const argList& args)
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
 
-    GasPhase gas(mesh, pimple, g);
+    GasPhase gas(runTime, mesh, pimple, g);
     ElutriaCloud cloud
     (
         args.opt<word>("cloud", "kinematicCloud"),
@@ -243,12 +247,12 @@ void run(const argList& args)
 
     plan.announce(cloud, runTime);
     plan.account(ScenePlan::partOutput);
-    ending::caseIsRead();
+    exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
     const scalar largestStep = plan.largestStep(cloud);
 
-    // What was over before is not gone on with
+    // Do not continue a run that has already finished
     bool drained = cloud.drained(cloud.count());
     while (!drained && runTime.run())
     {
@@ -264,9 +268,9 @@ void run(const argList& args)
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
         // OpenFOAM's models write some of their files while they work
-        autoPtr<WholeTime> whole
+        autoPtr<AtomicTime> atomic
         (
-            runTime.writeTime() ? new WholeTime(runTime) : nullptr
+            runTime.writeTime() ? new AtomicTime(runTime) : nullptr
         );
 
         moveParticles(runTime, cloud);
@@ -281,13 +285,13 @@ void run(const argList& args)
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
         drained = cloud.drained(count);
-        if (drained && !whole)
+        if (drained && !atomic)
         {
-            whole.reset(new WholeTime(runTime));
+            atomic.reset(new AtomicTime(runTime));
         }
-        if (whole)
+        if (atomic)
         {
-            write(runTime, cloud, plan, *whole, drained);
+            write(runTime, cloud, plan, *atomic, drained);
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);
@@ -323,5 +327,5 @@ int main(int argc, char *argv[])
 
     #include "addCheckCaseOptions.H"
     #include "setRootCaseLists.H"
-    return ending::guarded([&]() { run(args); });
+    return exitHandling::guarded([&]() { run(args); });
 }

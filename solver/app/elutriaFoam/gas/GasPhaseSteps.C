@@ -11,7 +11,10 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "gas/GasPhase.H"
+#include "gas/GasClock.H"
 #include "gas/GasState.H"
+#include "foam/UnsoundStep.H"
+#include "profiling.H"
 
 namespace Foam
 {
@@ -22,7 +25,7 @@ namespace
 //- Above it the gas is no longer the incompressible gas that was asked for
 constexpr scalar largestSpeed = 1000;   // m/s
 
-//- Cells over which viscosity may spread momentum in a step, squared: PISO
+//- Cells over which viscosity may diffuse momentum in a step, squared: PISO
 //  splits pressure and velocity, and loses momentum beyond
 constexpr scalar largestDiffusion = 10;
 
@@ -51,41 +54,37 @@ tmp<volVectorField> GasPhase::solveInSteps
         return U_ - before;
     }
 
-    // Indices of time that the run itself does not reach tell the steps' old
-    // values apart
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar now = runTime.value();
-    const label index = runTime.timeIndex();
-
+    GasClock clock(runTime_);
     tmp<volVectorField> tmean(U_ - before);
     setVoidFraction(alphaStart);
     for (label step = 1; step <= steps && unsound().empty(); ++step)
     {
-        runTime.setTime(now, labelMax/2 + extraSteps_++ % (labelMax/2));
+        // An index that the run itself does not reach
+        clock.setIndex(labelMax/2 + extraSteps_++ % (labelMax/2));
         const scalar done = scalar(step)/steps;
         setVoidFraction(((1 - done)*alphaStart + done*alphaEnd)());
         solve(force, coefficient, dt/steps);
         tmean.ref() += (U_ - before)/scalar(steps);
     }
     setVoidFraction(alphaEnd);
-    runTime.setTime(now, index);
     return tmean;
 }
 
 
 void GasPhase::warnOfViscosity(const scalar dt) const
 {
-    const scalarField spread
+    const scalarField diffused
     (
         turbulence_->nuEff()().primitiveField()*dt
        /pow(mesh_.V().field(), 2.0/3.0)
     );
-    const scalar most = gMax(spread);
+    const scalar most = gMax(diffused);
     if (most > largestDiffusion)
     {
-        Info<< "    Warning: viscosity spreads momentum over " << sqrt(most)
-            << " cells in a gas step, allowed: " << sqrt(largestDiffusion)
-            << "; lower deltaT" << endl;
+        Info<< "    Warning: viscosity diffuses momentum over " << sqrt(most)
+            << " cells in a gas step of " << dt << " s, allowed: "
+            << sqrt(largestDiffusion) << "; set deltaT to at most "
+            << largestDiffusion/most*dt << " s" << endl;
     }
 }
 
@@ -148,12 +147,14 @@ string GasPhase::unsound() const
 
 tmp<volVectorField> GasPhase::advance
 (
-    const ElutriaCloud::GasExchange& particles,
+    const GasExchange& particles,
     const scalar dt,
     const scalar courant,
     const label retakes
 )
 {
+    addProfiling(gas, "elutria::gas");
+
     // The explicit part at the velocity the particles saw
     const volVectorField force
     (
@@ -162,17 +163,16 @@ tmp<volVectorField> GasPhase::advance
     const volScalarField alphaEnd("alphaEnd", alpha_);
     const volScalarField alphaStart("alphaStart", alpha_.oldTime());
     const GasState before(mesh_);
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar now = runTime.value(), runStep = runTime.deltaTValue();
-    const label index = runTime.timeIndex();
 
     const scalar asked = dt*courantRate()/courant*(1 - SMALL);
     label steps = label(max(scalar(1), ceil(min(asked, scalar(mostSteps)))));
     if (asked > mostSteps)
     {
         Info<< "    Warning: the gas crosses up to " << asked*courant/steps
-            << " cells in each of " << steps << " parts of its step, allowed: "
-            << courant << " (gasCourant); lower deltaT or maxCo" << endl;
+            << " cells in each of the " << steps << " parts of its step of "
+            << dt << " s, allowed: " << courant
+            << " (gasCourant); set deltaT to at most " << dt*steps/asked
+            << " s" << endl;
     }
     warnOfViscosity(dt/steps);
     for (label attempt = 0; ; ++attempt)
@@ -191,8 +191,6 @@ tmp<volVectorField> GasPhase::advance
         {
             // OpenFOAM breaks off where an equation's residual is not a number
             finishLoops();
-            runTime.setDeltaT(runStep, false);
-            runTime.setTime(now, index);
             trouble = unsound();
             if (trouble.empty())
             {
@@ -225,21 +223,20 @@ tmp<volVectorField> GasPhase::advance
 
 void GasPhase::converge
 (
-    const ElutriaCloud::GasExchange& none,
+    const GasExchange& none,
     const scalar courant,
     const scalar tolerance,
     const label retakes
 )
 {
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar start = runTime.value();
-    const label index = runTime.timeIndex();
-    const scalar runStep = runTime.deltaTValue();
     const scalar through = throughTime();
     if (through >= GREAT)
     {
         return;
     }
+
+    GasClock clock(runTime_);
+    const label index = runTime_.timeIndex();
 
     // Ten passes of the gas are enough where it settles at all
     scalar change = GREAT, passed = 0;
@@ -247,14 +244,12 @@ void GasPhase::converge
     while (change > tolerance && passed < 10*through)
     {
         const scalar dt = min(courant/courantRate(), through);
-        runTime.setTime(start, index + ++steps);
-        runTime.setDeltaT(dt, false);
+        clock.setIndex(index + ++steps);
+        clock.setStep(dt);
 
         change = relative(advance(none, dt, GREAT, retakes)())*through/dt;
         passed += dt;
     }
-    runTime.setDeltaT(runStep, false);
-    runTime.setTime(start, index);
 
     Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
         << " passes; change per pass " << change
