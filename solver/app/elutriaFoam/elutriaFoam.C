@@ -15,6 +15,7 @@ Description
 
 \*---------------------------------------------------------------------------*/
 
+#include "cloud/ElutriaCloud.H"
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
 #include "run/WholeTime.H"
@@ -151,7 +152,7 @@ void solveGas
     {
         gas.forgetVolumeChange();
     }
-    const ElutriaCloud::GasExchange exchange(cloud.exchange());
+    const GasExchange exchange(cloud.exchange());
     plan.account(ScenePlan::partExchange);
 
     gas.correctTransport();

@@ -12,6 +12,7 @@ Description
 
 #include "gas/GasPhase.H"
 #include "gas/GasState.H"
+#include "foam/UnsoundStep.H"
 
 namespace Foam
 {
@@ -148,7 +149,7 @@ string GasPhase::unsound() const
 
 tmp<volVectorField> GasPhase::advance
 (
-    const ElutriaCloud::GasExchange& particles,
+    const GasExchange& particles,
     const scalar dt,
     const scalar courant,
     const label retakes
@@ -225,7 +226,7 @@ tmp<volVectorField> GasPhase::advance
 
 void GasPhase::converge
 (
-    const ElutriaCloud::GasExchange& none,
+    const GasExchange& none,
     const scalar courant,
     const scalar tolerance,
     const label retakes

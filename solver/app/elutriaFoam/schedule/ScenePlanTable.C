@@ -10,6 +10,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "schedule/ScenePlan.H"
+#include "contacts/ContactEstimate.H"
 #include "mathematicalConstants.H"
 
 #include <iomanip>
@@ -120,13 +121,14 @@ ScenePlan::Expected ScenePlan::expect(const Feed& feed) const
 
 void ScenePlan::announceStiffness(const ElutriaCloud& cloud) const
 {
-    const scalar overlap = cloud.deepestOverlap(gas_.meanSpeed());
-    const bool tooSoft = cloud.softOnly() && overlap > largestOverlap;
+    const ContactEstimate contacts(cloud.engine(), *cloud.feed());
+    const scalar overlap = contacts.deepestOverlap(gas_.meanSpeed());
+    const bool tooSoft = contacts.softOnly() && overlap > largestOverlap;
     row
     (
         "stiffness", tooSoft ? "too low" : "enough",
         "overlap " + percent(overlap) + " of the radius at the gas' speed"
-      + (cloud.softOnly() ? "" : ", if that were soft")
+      + (contacts.softOnly() ? "" : ", if that were soft")
     );
     if (tooSoft)
     {
@@ -146,7 +148,7 @@ void ScenePlan::announceParcels
 {
     const Feed& feed = *cloud.feed();
     const scalar each = feed.massFlow()/(feed.rate()*feed.meanMass());
-    const scalar wake = cloud.ownWake
+    const scalar wake = cloud.sampling().ownWake
     (
         feed.heaviestParcel()*mag(gas_.gravity()), gas_.meanSpeed()
     );
@@ -225,7 +227,8 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
         );
         if (cloud.contacts())
         {
-            const scalar contact = cloud.shortestContact
+            const ContactEstimate contacts(cloud.engine(), *feed);
+            const scalar contact = contacts.duration
             (
                 e.smallest, gas_.meanSpeed()
             );
@@ -233,7 +236,7 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
             (
                 "contact steps", "where something touches",
                 "shortest contact " + number(contact) + " s, its steps "
-              + number(contact*cloud.contactStepFraction()) + " s; gas step "
+              + number(contact*contacts.stepFraction()) + " s; gas step "
               + number(dt) + " s"
             );
             if
@@ -269,7 +272,7 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
         "gas beforehand", convergeGas_ ? "settles without feed" : "skipped",
         "to " + percent(0.1*tolerance_) + " a passage"
     );
-    const bool dispersed = cloud.disperses();
+    const bool dispersed = cloud.sampling().disperses();
     row
     (
         "dispersion", dispersed ? "needed" : "skipped",
@@ -277,7 +280,7 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
     );
     if (cloud.contacts())
     {
-        const bool friction = cloud.hasFriction();
+        const bool friction = hasFriction(cloud.engine());
         row
         (
             "spin, history", friction ? "needed" : "skipped",

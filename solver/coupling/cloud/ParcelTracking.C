@@ -3,37 +3,37 @@
 
     Copyright (C) 2026 The Elutria developers
     SPDX-License-Identifier: GPL-3.0-or-later
-
-Description
-    ElutriaCloud's steps 4 and 5: the parcels' way through the mesh.
-
 \*---------------------------------------------------------------------------*/
 
-#include "cloud/ElutriaCloud.H"
+#include "cloud/ParcelTracking.H"
+#include "contacts/MirrorPatches.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "parallel/ParcelTransfer.H"
 #include "meshTools.H"
-#include "contacts/MirrorPatches.H"
 
 namespace Foam
 {
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-List<ElutriaCloud::Flight> ElutriaCloud::flights(const scalar dt)
+List<ParcelTracking::Flight> ParcelTracking::flights
+(
+    const StepParcels& step,
+    const scalar dt
+)
 {
-    const elutria::dem::Particles& all = particles_;
+    const elutria::dem::Particles& all = step.particles;
     const elutria::dem::PeriodicBox box =
         contacts_ ? contacts_->engine().settings().box
       : elutria::dem::PeriodicBox();
 
-    List<Flight> flights(starts_.size());
+    List<Flight> flights(step.starts.size());
     size_t i = 0;
-    for (parcelType& p : *this)
+    for (StockParcel& p : cloud_)
     {
         Flight& f = flights[i];
-        f.from = starts_[i];
+        f.from = step.starts[i];
         f.displacement = toFoam
         (
             box.shortest(all.position[i] - toEngine(f.from))
@@ -42,7 +42,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights(const scalar dt)
         f.end = toFoam(all.velocity[i]);
         f.spin = toFoam(all.spin[i]);
         f.impulse =
-            effectiveMass_[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
+            step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
         f.dragRate = all.dragRate[i];
 
         // What neither drag nor other forces did, contacts did
@@ -64,7 +64,7 @@ List<ElutriaCloud::Flight> ElutriaCloud::flights(const scalar dt)
 }
 
 
-void ElutriaCloud::turnFluctuation(parcelType& p, const vector& thrown) const
+void ParcelTracking::turnFluctuation(StockParcel& p, const vector& thrown) const
 {
     const scalar size = mag(thrown);
     if (!inertialDispersion_ || size < 1e-6*mag(p.U()) + VSMALL)
@@ -76,17 +76,47 @@ void ElutriaCloud::turnFluctuation(parcelType& p, const vector& thrown) const
 }
 
 
-void ElutriaCloud::deposit(const parcelType& p, const Flight& flight)
+void ParcelTracking::deposit(const StockParcel& p, const Flight& flight)
 {
-    impulse_[p.cell()] -= p.nParticle()*flight.impulse;
+    coupling_.deposit(p.cell(), p.nParticle()*flight.impulse);
 }
 
 
-void ElutriaCloud::meetPatch
+void ParcelTracking::slide
 (
-    parcelType& p,
+    StockParcel& p,
     Flight& flight,
-    trackingData& td,
+    StockTracking& td,
+    const scalar dt
+)
+{
+    // The chord of a curved path cuts a corner. Go where the path ends, or
+    // along the wall towards it.
+    const scalar left = 1 - p.stepFraction();
+    const point target(p.position() + left*flight.displacement);
+    const label celli = mesh().findCell(target);
+    if (celli >= 0)
+    {
+        // Off the cell's faces by rounding, so that it is found again
+        const point inside(target + 1e-6*(mesh().C()[celli] - target));
+        p.relocate(inside, celli);
+        p.age() += left*dt;
+        p.stepFraction() = 1;
+    }
+    else
+    {
+        const vector n(p.normal());
+        flight.displacement -= (flight.displacement & n)*n;
+        p.hitFace(flight.displacement, cloud_, td);
+    }
+}
+
+
+void ParcelTracking::meetPatch
+(
+    StockParcel& p,
+    Flight& flight,
+    StockTracking& td,
     const scalar dt
 )
 {
@@ -96,29 +126,12 @@ void ElutriaCloud::meetPatch
 
     if (contacts_ && meetsParticles(patch))
     {
-        // The engine has dealt with the wall; the chord of a curved path cuts
-        // a corner. Go where the path ends, or along the wall towards it.
-        const point target(p.position() + (1 - done)*flight.displacement);
-        const label celli = mesh().findCell(target);
-        if (celli >= 0)
-        {
-            // Off the cell's faces by rounding, so that it is found again
-            const point inside(target + 1e-6*(mesh().C()[celli] - target));
-            p.relocate(inside, celli);
-            p.age() += (1 - done)*dt;
-            p.stepFraction() = 1;
-        }
-        else
-        {
-            const vector n(p.normal());
-            flight.displacement -= (flight.displacement & n)*n;
-            p.hitFace(flight.displacement, *this, td);
-        }
+        slide(p, flight, td, dt);
         return;
     }
 
     p.U() = arrival;
-    p.hitFace(flight.displacement, *this, td);
+    p.hitFace(flight.displacement, cloud_, td);
 
     if (td.keepParticle && p.U() != arrival)
     {
@@ -133,11 +146,11 @@ void ElutriaCloud::meetPatch
 }
 
 
-void ElutriaCloud::trackParcel
+void ParcelTracking::trackParcel
 (
-    parcelType& p,
+    StockParcel& p,
     Flight& flight,
-    trackingData& td,
+    StockTracking& td,
     const scalar dt
 )
 {
@@ -164,12 +177,12 @@ void ElutriaCloud::trackParcel
         const scalar spent = (p.stepFraction() - before)*dt;
         p.age() += spent;
 
-        callPostMove(functions(), p, spent, from, td);
+        callPostMove(cloud_.functions(), p, spent, from, td);
         if (!p.onFace())
         {
             continue;
         }
-        callPostFace(functions(), p, td);
+        callPostFace(cloud_.functions(), p, td);
 
         if (p.onBoundaryFace())
         {
@@ -185,7 +198,7 @@ void ElutriaCloud::trackParcel
         }
         else
         {
-            p.hitFace(flight.displacement, *this, td);
+            p.hitFace(flight.displacement, cloud_, td);
         }
     }
 
@@ -197,25 +210,50 @@ void ElutriaCloud::trackParcel
 }
 
 
-void ElutriaCloud::track(trackingData& td, const scalar dt)
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+ParcelTracking::ParcelTracking
+(
+    StockCloud& cloud,
+    GasCoupling& coupling,
+    SolidFraction& solids,
+    const CloudContacts* contacts,
+    const bool inertialDispersion
+)
+:
+    cloud_(cloud),
+    coupling_(coupling),
+    solids_(solids),
+    contacts_(contacts),
+    inertialDispersion_(inertialDispersion)
+{}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ParcelTracking::track
+(
+    const StepParcels& step,
+    StockTracking& td,
+    const scalar dt
+)
 {
     // Parcels still to be tracked, with their flights: first all of the
     // cloud's, then those that arrive from other processors
-    for (parcelType& p : *this)
+    for (StockParcel& p : cloud_)
     {
         p.stepFraction() = 0;
     }
-    List<Flight> flightOf(flights(dt));
-    IDLList<parcelType> moving;
-    moving.transfer(*this);
+    List<Flight> flightOf(flights(step, dt));
+    IDLList<StockParcel> moving;
+    moving.transfer(cloud_);
 
-    dragRates_.clear();
-    ParcelTransfer<parcelType, Flight> transfer(mesh());
+    ParcelTransfer<StockParcel, Flight> transfer(mesh());
 
     do
     {
         label k = 0;
-        for (parcelType& p : moving)
+        for (StockParcel& p : moving)
         {
             Flight& flight = flightOf[k++];
             trackParcel(p, flight, td, dt);
@@ -223,7 +261,10 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
             if (!td.keepParticle)
             {
                 deposit(p, flight);
-                countArrival(p, -1);
+                solids_.arrive
+                (
+                    p.cell(), p.position(), -p.nParticle()*p.volume()
+                );
                 delete moving.remove(&p);
             }
             else if (td.switchProcessor)
@@ -233,8 +274,8 @@ void ElutriaCloud::track(trackingData& td, const scalar dt)
             else
             {
                 deposit(p, flight);
-                dragRates_.append(flight.dragRate);
-                addParticle(moving.remove(&p));
+                coupling_.keep(flight.dragRate);
+                cloud_.addParticle(moving.remove(&p));
             }
         }
     } while (transfer.exchange(moving, flightOf, td));

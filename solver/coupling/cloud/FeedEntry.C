@@ -1,0 +1,206 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/FeedEntry.H"
+#include "foam/foamVersion.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void FeedEntry::findInjection()
+{
+    for (auto& injector : cloud_.injectors())
+    {
+        if (auto* injection = dynamic_cast<Injection*>(&injector))
+        {
+            injection_ = injection;
+            injection_->handOver();
+        }
+    }
+}
+
+
+void FeedEntry::findRecorder()
+{
+    for (auto& object : cloud_.functions())
+    {
+        if (auto* recorder = dynamic_cast<Recorder*>(&object))
+        {
+            recorder_ = recorder;
+        }
+    }
+    if (!recorder_)
+    {
+        dictionary settings;
+        settings.add("type", Recorder::typeName);
+        recorder_ = new Recorder(settings, cloud_, "outlets");
+        cloud_.functions().append(recorder_);
+    }
+    recorder_->solverWrites();
+}
+
+
+void FeedEntry::countArrival(const StockParcel& p)
+{
+    solids_.arrive(p.cell(), p.position(), p.nParticle()*p.volume());
+}
+
+
+void FeedEntry::countInjected()
+{
+    if (cloud_.size() == injectedFrom_)
+    {
+        return;
+    }
+    label k = 0;
+    for (const StockParcel& p : cloud_)
+    {
+        if (k++ >= injectedFrom_)
+        {
+            countArrival(p);
+        }
+    }
+}
+
+
+label FeedEntry::findOwner(const point& position, label& celli) const
+{
+    celli = mesh().findCell(position);
+
+    // One processor takes the particle: the first that has the place
+    label owner = celli < 0 ? Pstream::nProcs() : Pstream::myProcNo();
+    reduce(owner, minOp<label>());
+    return owner == Pstream::nProcs() ? -1 : owner;
+}
+
+
+label FeedEntry::findPlace(const label i, point& position, label& celli) const
+{
+    position = injection_->position(i);
+    label owner = findOwner(position, celli);
+    if (owner < 0)
+    {
+        position = feed_->retreat(i);
+        owner = findOwner(position, celli);
+    }
+    if (owner < 0)
+    {
+        FatalErrorInFunction
+            << "particle " << i << " of the feed would enter at "
+            << position << ", outside the mesh: move the feed's patch or"
+            << " zone away from the domain's edge" << exit(FatalError);
+    }
+    return owner;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+FeedEntry::FeedEntry(StockCloud& cloud, SolidFraction& solids, const Feed* feed)
+:
+    cloud_(cloud),
+    solids_(solids),
+    feed_(feed),
+    injection_(nullptr),
+    recorder_(nullptr),
+    injectedFrom_(0)
+{
+    findInjection();
+    if (feed_)
+    {
+        findRecorder();
+    }
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void FeedEntry::enter()
+{
+    countInjected();
+    if (!injection_)
+    {
+        return;
+    }
+
+    const scalar dt = cloud_.solution().trackTime();
+    for (const label i : injection_->take(cloud_.time().value()))
+    {
+        point position;
+        label celli;
+        if (findPlace(i, position, celli) != Pstream::myProcNo())
+        {
+            continue;
+        }
+
+        auto* parcel = new StockParcel(mesh(), position, celli);
+        cloud_.setParcelThermoProperties(*parcel, dt);
+        injection_->setParcel(i, *parcel);
+        cloud_.checkParcelProperties(*parcel, dt, true);
+        cloud_.addParticle(parcel);
+        countArrival(*parcel);
+    }
+}
+
+
+void FeedEntry::takeBack()
+{
+    for (StockParcel& p : cloud_)
+    {
+        if
+        (
+            p.origProc() == Feed::feedOrigin
+         && p.origId() >= feed_->fedUntil(cloud_.time().value())
+        )
+        {
+            cloud_.deleteParticle(p);
+        }
+    }
+}
+
+
+FeedEntry::Count FeedEntry::count() const
+{
+    Count count;
+    for (const StockParcel& p : cloud_)
+    {
+        count.inside += p.origProc() == Feed::feedOrigin || !feed_;
+    }
+    reduce(count.inside, sumOp<label>());
+
+    if (feed_)
+    {
+        count.fed = feed_->fedUntil(cloud_.time().value());
+        count.left = recorder_->leftParcels();
+        count.lost = count.fed - count.inside - sum(count.left);
+    }
+    return count;
+}
+
+
+bool FeedEntry::drained(const Count& count) const
+{
+    const scalar time = cloud_.time().value();
+    return
+        feed_
+     && time > feed_->end()
+     && (count.inside == 0 || time > feed_->drained());
+}
+
+
+void FeedEntry::writeState()
+{
+    if (recorder_)
+    {
+        recorder_->writeFiles();
+    }
+}
+
+
+} // End namespace Foam

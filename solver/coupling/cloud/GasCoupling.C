@@ -1,0 +1,139 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/GasCoupling.H"
+#include "foam/foamVersion.H"
+#include "foam/passingField.H"
+#include "zeroGradientFvPatchFields.H"
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+scalar GasCoupling::response(const label k) const
+{
+    return -std::expm1(-dragRates_[k]*window_);
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+GasCoupling::GasCoupling
+(
+    StockCloud& cloud,
+    const SpreadingKernel& kernel,
+    const bool stockMotion
+)
+:
+    cloud_(cloud),
+    kernel_(kernel),
+    stockMotion_(stockMotion),
+    impulse_(cloud.mesh().nCells(), Zero),
+    window_(0),
+    windowStart_(cloud.time().timeIndex())
+{}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void GasCoupling::startStep(const scalar dt)
+{
+    window_ += dt;
+    dragRates_.clear();
+}
+
+
+vectorField GasCoupling::forceOnGas() const
+{
+    if (!cloud_.solution().coupled() || window_ <= 0)
+    {
+        return vectorField(impulse_.size(), Zero);
+    }
+    return (stockMotion_ ? cloud_.UTrans().field() : impulse_)/window_;
+}
+
+
+GasExchange GasCoupling::exchange() const
+{
+    const fvMesh& mesh = cloud_.mesh();
+    GasExchange gas
+    {
+        volVectorField
+        (
+            passingField("particleForce", mesh), mesh,
+            dimensionedVector(dimForce/dimVolume, Zero),
+            zeroGradientFvPatchVectorField::typeName
+        ),
+        volScalarField
+        (
+            passingField("particleCoefficient", mesh), mesh,
+            dimensionedScalar(dimDensity/dimTime, Zero),
+            zeroGradientFvPatchScalarField::typeName
+        )
+    };
+    if (!cloud_.solution().coupled() || window_ <= 0)
+    {
+        return gas;
+    }
+
+    scalarField& coefficient = gas.coefficient.primitiveFieldRef();
+    if (stockMotion_)
+    {
+        coefficient = cloud_.UCoeff().field();
+    }
+    else
+    {
+        label k = 0;
+        for (const StockParcel& p : cloud_)
+        {
+            coefficient[p.cell()] += p.nParticle()*p.mass()*response(k++);
+        }
+    }
+    coefficient /= mesh.V()*window_;
+    gas.force.primitiveFieldRef() = forceOnGas()/mesh.V();
+    kernel_.spread(gas.force);
+    kernel_.spread(gas.coefficient);
+    gas.force.correctBoundaryConditions();
+    gas.coefficient.correctBoundaryConditions();
+    return gas;
+}
+
+
+void GasCoupling::correct(const volVectorField& change)
+{
+    if (stockMotion_ || !cloud_.solution().coupled())
+    {
+        return;
+    }
+    const fvMesh& mesh = cloud_.mesh();
+    volVectorField seen
+    (
+        passingField("gasChange", mesh), mesh,
+        dimensionedVector(dimVelocity, Zero),
+        zeroGradientFvPatchVectorField::typeName
+    );
+    seen.primitiveFieldRef() = change.primitiveField();
+    kernel_.spread(seen);
+
+    label k = 0;
+    for (StockParcel& p : cloud_)
+    {
+        p.U() += response(k++)*seen[p.cell()];
+    }
+}
+
+
+void GasCoupling::restart()
+{
+    impulse_ = Zero;
+    window_ = 0;
+    windowStart_ = cloud_.time().timeIndex();
+}
+
+
+} // End namespace Foam

@@ -1,0 +1,375 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/GasSampling.H"
+#include "laws/OwnWake.H"
+#include "foam/engineVectors.H"
+#include "foam/foamVersion.H"
+#include "foam/stateFile.H"
+#include "impacts/Flight.hpp"
+#include "IOField.H"
+#include "turbulenceModel.H"
+
+#include <algorithm>
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * * Local Functions * * * * * * * * * * * * * * * //
+
+scalarField solidVolume(const StockCloud& cloud)
+{
+    scalarField volume(cloud.mesh().nCells(), Zero);
+    for (const StockParcel& p : cloud)
+    {
+        volume[p.cell()] += p.nParticle()*p.volume();
+    }
+    return volume;
+}
+
+
+void StepParcels::resize(const size_t n)
+{
+    starts.resize(n);
+    effectiveMass.resize(n);
+
+    elutria::dem::Particles& all = particles;
+    all.id.resize(n);
+    all.material.resize(n);
+    all.radius.resize(n);
+    all.mass.resize(n);
+    all.number.resize(n);
+    all.dragRate.resize(n);
+    for
+    (
+        auto* vectors :
+        {
+            &all.position, &all.velocity, &all.spin, &all.gasVelocity,
+            &all.acceleration, &all.dragImpulse
+        }
+    )
+    {
+        vectors->resize(n);
+    }
+}
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+scalar GasSampling::readWakeAge() const
+{
+    const IOField<scalar> age
+    (
+        stateFile(cloud_, "ownWakeAge", IOobject::READ_IF_PRESENT)
+    );
+    return age.empty() ? -1 : age[0];
+}
+
+
+void GasSampling::seedRandom(const StockParcel& p)
+{
+    const uint64_t seed = feed_ ? feed_->seed() : 0;
+    cloud_.rndGen() = Random
+    (
+        label
+        (
+            scrambled
+            (
+                seed + scrambled(parcelName(p))
+              + uint64_t(cloud_.time().timeIndex())
+            )
+        )
+    );
+}
+
+
+void GasSampling::disperse
+(
+    StockParcel& p,
+    StockTracking& td,
+    const scalar effectiveMass,
+    const scalar dt
+)
+{
+    if (inertialDispersion_)
+    {
+        const scalar mass = p.mass(), Re = p.Re(td), mu = td.muc();
+        const forceSuSp mean =
+            cloud_.forces().calcCoupled(p, td, dt, mass, Re, mu);
+        const forceSuSp rest =
+            cloud_.forces().calcNonCoupled(p, td, dt, mass, Re, mu);
+        const scalar dragRate = max(mean.Sp(), VSMALL);
+
+        inertialDispersion_->relaxationTime = effectiveMass/dragRate;
+        inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
+        inertialDispersion_->offset = p.position() - mesh().C()[p.cell()];
+    }
+    p.calcDispersion(cloud_, td, dt);
+}
+
+
+void GasSampling::sample
+(
+    StockParcel& p,
+    StockTracking& td,
+    StepParcels& step,
+    const size_t i,
+    const scalar dt
+)
+{
+    const auto& forces = cloud_.forces();
+    const scalar mass = p.mass();
+
+    step.starts[i] = p.position();
+    p.setCellValues(cloud_, td);
+    const scalar effectiveMass = forces.massEff(p, td, mass);
+    step.effectiveMass[i] = effectiveMass;
+
+    seedRandom(p);
+    if (dispersing_)
+    {
+        disperse(p, td, effectiveMass, dt);
+    }
+    seeUndisturbedGas(p, td, dt);
+
+    const forceSuSp free =
+        forces.calcNonCoupled(p, td, dt, mass, p.Re(td), td.muc());
+    const forceSuSp drag =
+        forces.calcCoupled(p, td, dt, mass, p.Re(td), td.muc());
+    const vector acceleration((free.Su() + drag.Su())/effectiveMass);
+    scalar rate = drag.Sp()/effectiveMass;
+
+    // Predict the end of the step, and take the mean of both ends' drag
+    const vector startVelocity(p.U());
+    const elutria::dem::Flight now
+    (
+        {}, toEngine(startVelocity), toEngine(acceleration),
+        toEngine(td.Uc()), rate
+    );
+    p.U() = toFoam(now.at(dt).velocity);
+    const forceSuSp later =
+        forces.calcCoupled(p, td, dt, mass, p.Re(td), td.muc());
+    p.U() = startVelocity;
+    rate = 0.5*(rate + later.Sp()/effectiveMass);
+
+    elutria::dem::Particles& all = step.particles;
+    all.id[i] = parcelName(p);
+    all.material[i] = contacts_ ? contacts_->material(p) : 0;
+    all.radius[i] = 0.5*p.d();
+    all.mass[i] = mass;
+    all.number[i] = p.nParticle();
+    all.dragRate[i] = rate;
+    all.position.set(i, toEngine(step.starts[i]));
+    all.velocity.set(i, toEngine(startVelocity));
+    all.spin.set(i, toEngine(p.omega()));
+    all.gasVelocity.set(i, toEngine(td.Uc()));
+    all.acceleration.set(i, toEngine(acceleration));
+}
+
+
+void GasSampling::seeUndisturbedGas
+(
+    const StockParcel& p,
+    StockTracking& td,
+    const scalar dt
+) const
+{
+    if (!undisturbed_ || p.age() < wakeAge_ || wakeAge_ < 0)
+    {
+        return;
+    }
+
+    const scalar cellVolume = mesh().V()[p.cell()];
+    const scalar cellSize = cbrt(cellVolume);
+    const scalar kernel = kernel_.active() ? kernel_.width() : 0;
+    const vector seen(td.Uc() - p.U());
+    const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
+    if (OwnWake::leftBehind(passing*wakeAge_, kernel, cellSize))
+    {
+        return;
+    }
+
+    const scalar volume = p.nParticle()*p.volume();
+    const scalar viscosity =
+        td.muc() + (eddyViscosity_ ? td.rhoc()*(*eddyViscosity_)[p.cell()] : 0);
+    const OwnWake::Surroundings gas
+    {
+        kernel,
+        cellSize,
+        OwnWake::spacing
+        (
+            solids_.field()[p.cell()], volume,
+            volume/cellVolume*OwnWake::kept(kernel, cellSize)
+        ),
+        viscosity,
+        viscosity/td.rhoc()
+    };
+
+    scalar share = 0, change = 1;
+    for (label pass = 0; pass < 20 && change > 1e-5; ++pass)
+    {
+        td.Uc() = p.U() + seen/(1 - share);
+        const scalar dragRate = cloud_.forces().calcCoupled
+        (
+            p, td, dt, p.mass(), p.Re(td), td.muc()
+        ).Sp();
+        const scalar better = OwnWake::share
+        (
+            p.nParticle()*dragRate,
+            {mag(td.Uc() - p.U()), passing, passing*wakeAge_},
+            gas
+        );
+        change = mag(better - share);
+        share = better;
+    }
+    td.Uc() = p.U() + seen/(1 - share);
+}
+
+
+void GasSampling::findSolidFractions(elutria::dem::Particles& all) const
+{
+    std::vector<double>& fractions = all.solidFraction;
+    fractions.assign(cloud_.size(), 0);
+
+    const bool weighted = std::any_of
+    (
+        all.number.begin(), all.number.end(),
+        [](const double number) { return number != 1; }
+    );
+    if (!contacts_ || !returnReduce(weighted, orOp<bool>()))
+    {
+        return;
+    }
+
+    const scalarField solids(solidVolume(cloud_));
+    labelList parcels(mesh().nCells(), Zero);
+    for (const StockParcel& p : cloud_)
+    {
+        ++parcels[p.cell()];
+    }
+    size_t i = 0;
+    for (const StockParcel& p : cloud_)
+    {
+        const label celli = p.cell(), others = parcels[celli] - 1;
+        const scalar volume = solids[celli] - p.nParticle()*p.volume();
+        fractions[i++] =
+            volume*(others - 1)/max(others, label(1))/mesh().V()[celli];
+    }
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+GasSampling::GasSampling
+(
+    StockCloud& cloud,
+    const SolidFraction& solids,
+    const SpreadingKernel& kernel,
+    const Feed* feed,
+    const CloudContacts* contacts
+)
+:
+    cloud_(cloud),
+    solids_(solids),
+    kernel_(kernel),
+    feed_(feed),
+    contacts_(contacts),
+    inertialDispersion_(dynamic_cast<InertialDispersion*>(&cloud.dispersion())),
+    undisturbed_
+    (
+        cloud.particleProperties().subOrEmptyDict("ownWake")
+       .getOrDefault<Switch>("undisturbed", true)
+    ),
+    wakeAge_(readWakeAge()),
+    dispersing_(false),
+    eddyViscosity_(nullptr)
+{}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
+{
+    dispersing_ = disperses();
+    eddyViscosity_ = mesh().findObject<volScalarField>
+    (
+        IOobject::groupName("nut", cloud_.U().group())
+    );
+
+    step.resize(cloud_.size());
+    step.particles.moment = cloud_.time().timeIndex();
+    size_t i = 0;
+    for (StockParcel& p : cloud_)
+    {
+        sample(p, td, step, i++, dt);
+    }
+    if (wakeAge_ >= 0)
+    {
+        wakeAge_ += dt;
+    }
+    findSolidFractions(step.particles);
+}
+
+
+void GasSampling::gasWasSolved()
+{
+    wakeAge_ = cloud_.solution().coupled() ? 0 : -1;
+}
+
+
+bool GasSampling::disperses() const
+{
+    const auto* gas = mesh().findObject<turbulenceModel>
+    (
+        IOobject::groupName(turbulenceModel::propertiesName, cloud_.U().group())
+    );
+    const bool laminar =
+        gas && gas->get<word>("simulationType") == "laminar";
+    return cloud_.dispersion().active() && !laminar;
+}
+
+
+scalar GasSampling::ownWake(const scalar weight, const scalar speed) const
+{
+    scalar largest = 0;
+    for (const Feed::Material& m : feed_->materials())
+    {
+        largest = max(largest, m.sizes.max());
+    }
+    SpreadingKernel kernel(kernel_);
+    kernel.adapt(largest);
+
+    const scalar viscosity = gAverage(cloud_.mu().primitiveField());
+    return OwnWake::share
+    (
+        weight/speed,
+        {speed, 0, 0},
+        {
+            kernel.active() ? kernel.width() : 0,
+            cbrt(gAverage(mesh().V().field())),
+            GREAT,
+            viscosity,
+            viscosity/gAverage(cloud_.rho().primitiveField())
+        }
+    );
+}
+
+
+void GasSampling::writeState() const
+{
+    if (wakeAge_ >= 0)
+    {
+        IOField<scalar>
+        (
+            stateFile(cloud_, "ownWakeAge", IOobject::NO_READ),
+            scalarField(1, wakeAge_)
+        ).write();
+    }
+}
+
+
+} // End namespace Foam
