@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/GasSampling.H"
-#include "laws/OwnWake.H"
+#include "laws/SelfInducedVelocity.hpp"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "foam/stateFile.H"
@@ -18,6 +18,8 @@
 
 namespace Foam
 {
+
+namespace laws = elutria::laws;
 
 // * * * * * * * * * * * * * * Local Functions * * * * * * * * * * * * * * * //
 
@@ -60,13 +62,36 @@ void StepParcels::resize(const size_t n)
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-scalar GasSampling::readWakeAge() const
+bool GasSampling::readCorrection(const dictionary& properties)
 {
-    const IOField<scalar> age
-    (
-        stateFile(cloud_, "ownWakeAge", IOobject::READ_IF_PRESENT)
-    );
-    return age.empty() ? -1 : age[0];
+    if (const dictionary* former = properties.findDict("ownWake"))
+    {
+        Info<< "elutria: " << properties.name() << ": ownWake { undisturbed }"
+            << " is read, but now called selfInducedVelocity { correct }"
+            << endl;
+        return former->getOrDefault<Switch>("undisturbed", true);
+    }
+    return
+        properties.subOrEmptyDict("selfInducedVelocity")
+       .getOrDefault<Switch>("correct", true);
+}
+
+
+scalar GasSampling::readDisturbanceAge() const
+{
+    // The second name is that of runs before the first was chosen
+    for (const char* const name : {"disturbanceAge", "ownWakeAge"})
+    {
+        const IOField<scalar> age
+        (
+            stateFile(cloud_, name, IOobject::READ_IF_PRESENT)
+        );
+        if (age.size())
+        {
+            return age[0];
+        }
+    }
+    return -1;
 }
 
 
@@ -178,7 +203,7 @@ void GasSampling::seeUndisturbedGas
     const scalar dt
 ) const
 {
-    if (!undisturbed_ || p.age() < wakeAge_ || wakeAge_ < 0)
+    if (!undisturbed_ || p.age() < disturbanceAge_ || disturbanceAge_ < 0)
     {
         return;
     }
@@ -188,7 +213,7 @@ void GasSampling::seeUndisturbedGas
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
     const vector seen(td.Uc() - p.U());
     const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
-    if (OwnWake::leftBehind(passing*wakeAge_, kernel, cellSize))
+    if (laws::outOfDisturbance(passing*disturbanceAge_, kernel, cellSize))
     {
         return;
     }
@@ -196,14 +221,14 @@ void GasSampling::seeUndisturbedGas
     const scalar volume = p.nParticle()*p.volume();
     const scalar viscosity =
         td.muc() + (eddyViscosity_ ? td.rhoc()*(*eddyViscosity_)[p.cell()] : 0);
-    const OwnWake::Surroundings gas
+    const laws::DepositSurroundings gas
     {
         kernel,
         cellSize,
-        OwnWake::spacing
+        laws::neighbourSpacing
         (
             solids_.field()[p.cell()], volume,
-            volume/cellVolume*OwnWake::kept(kernel, cellSize)
+            volume/cellVolume*laws::depositKept(kernel, cellSize)
         ),
         viscosity,
         viscosity/td.rhoc()
@@ -217,10 +242,10 @@ void GasSampling::seeUndisturbedGas
         (
             p, td, dt, p.mass(), p.Re(td), td.muc()
         ).Sp();
-        const scalar better = OwnWake::share
+        const scalar better = laws::selfInducedShare
         (
             p.nParticle()*dragRate,
-            {mag(td.Uc() - p.U()), passing, passing*wakeAge_},
+            {mag(td.Uc() - p.U()), passing, passing*disturbanceAge_},
             gas
         );
         change = mag(better - share);
@@ -279,12 +304,8 @@ GasSampling::GasSampling
     feed_(feed),
     contacts_(contacts),
     inertialDispersion_(dynamic_cast<InertialDispersion*>(&cloud.dispersion())),
-    undisturbed_
-    (
-        cloud.particleProperties().subOrEmptyDict("ownWake")
-       .getOrDefault<Switch>("undisturbed", true)
-    ),
-    wakeAge_(readWakeAge()),
+    undisturbed_(readCorrection(cloud.particleProperties())),
+    disturbanceAge_(readDisturbanceAge()),
     dispersing_(false),
     eddyViscosity_(nullptr)
 {}
@@ -307,9 +328,9 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
     {
         sample(p, td, step, i++, dt);
     }
-    if (wakeAge_ >= 0)
+    if (disturbanceAge_ >= 0)
     {
-        wakeAge_ += dt;
+        disturbanceAge_ += dt;
     }
     findSolidFractions(step.particles);
 }
@@ -317,7 +338,7 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
 
 void GasSampling::gasWasSolved()
 {
-    wakeAge_ = cloud_.solution().coupled() ? 0 : -1;
+    disturbanceAge_ = cloud_.solution().coupled() ? 0 : -1;
 }
 
 
@@ -333,7 +354,7 @@ bool GasSampling::disperses() const
 }
 
 
-scalar GasSampling::ownWake(const scalar weight, const scalar speed) const
+scalar GasSampling::selfInducedShare(const scalar weight, const scalar speed) const
 {
     scalar largest = 0;
     for (const Feed::Material& m : feed_->materials())
@@ -344,7 +365,7 @@ scalar GasSampling::ownWake(const scalar weight, const scalar speed) const
     kernel.adapt(largest);
 
     const scalar viscosity = gAverage(cloud_.mu().primitiveField());
-    return OwnWake::share
+    return laws::selfInducedShare
     (
         weight/speed,
         {speed, 0, 0},
@@ -361,12 +382,12 @@ scalar GasSampling::ownWake(const scalar weight, const scalar speed) const
 
 void GasSampling::writeState() const
 {
-    if (wakeAge_ >= 0)
+    if (disturbanceAge_ >= 0)
     {
         IOField<scalar>
         (
-            stateFile(cloud_, "ownWakeAge", IOobject::NO_READ),
-            scalarField(1, wakeAge_)
+            stateFile(cloud_, "disturbanceAge", IOobject::NO_READ),
+            scalarField(1, disturbanceAge_)
         ).write();
     }
 }

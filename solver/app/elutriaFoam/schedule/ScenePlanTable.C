@@ -75,8 +75,9 @@ constexpr scalar largestOverlap = 0.05;
 //  again (docs/bench/accuracy.md, dense column: 6, 12 and 35)
 constexpr scalar largestParcel = 12;
 
-//- Share of a parcel's slip that its own wake may take. It is corrected for; in
-//  the same place parcels of 6, 12 and 35 particles feel 3, 7 and 19 %.
+//- Share of a parcel's slip that its self-induced velocity may be. It is
+//  corrected for; in the same place it is 3, 7 and 19 % for parcels of 6, 12 and
+//  35 particles.
 constexpr scalar largestWake = 0.1;
 
 } // End anonymous namespace
@@ -148,7 +149,7 @@ void ScenePlan::announceParcels
 {
     const Feed& feed = *cloud.feed();
     const scalar each = feed.massFlow()/(feed.rate()*feed.meanMass());
-    const scalar wake = cloud.sampling().ownWake
+    const scalar wake = cloud.sampling().selfInducedShare
     (
         feed.heaviestParcel()*mag(gas_.gravity()), gas_.meanSpeed()
     );
