@@ -15,7 +15,7 @@ namespace Foam
 
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
-SolidFraction::SolidFraction(const fvMesh& mesh, SpreadingKernel& kernel)
+SolidFraction::SolidFraction(const fvMesh& mesh, DiffusionKernel& kernel)
 :
     kernel_(kernel),
     shares_(mesh),
@@ -70,7 +70,7 @@ const volScalarField& SolidFraction::finish(const scalar maximum)
     theta = added_/mesh().V();
 
     kernel_.adapt(returnReduce(largest_, maxOp<scalar>()));
-    kernel_.spread(theta_);
+    kernel_.smooth(theta_);
 
     excessVolume_ = 0;
     forAll(theta, celli)
@@ -108,7 +108,7 @@ tmp<volScalarField> SolidFraction::arrivedFraction() const
         zeroGradientFvPatchScalarField::typeName
     );
     tfraction.ref().primitiveFieldRef() = arrived_/mesh().V();
-    kernel_.spread(tfraction.ref());
+    kernel_.smooth(tfraction.ref());
     tfraction.ref().correctBoundaryConditions();
     return tfraction;
 }

@@ -26,7 +26,7 @@ scalar GasCoupling::response(const label k) const
 GasCoupling::GasCoupling
 (
     StockCloud& cloud,
-    const SpreadingKernel& kernel,
+    const DiffusionKernel& kernel,
     const bool stockMotion
 )
 :
@@ -96,8 +96,8 @@ GasExchange GasCoupling::exchange() const
     }
     coefficient /= mesh.V()*window_;
     gas.force.primitiveFieldRef() = forceOnGas()/mesh.V();
-    kernel_.spread(gas.force);
-    kernel_.spread(gas.coefficient);
+    kernel_.smooth(gas.force);
+    kernel_.smooth(gas.coefficient);
     gas.force.correctBoundaryConditions();
     gas.coefficient.correctBoundaryConditions();
     return gas;
@@ -118,7 +118,7 @@ void GasCoupling::correct(const volVectorField& change)
         zeroGradientFvPatchVectorField::typeName
     );
     seen.primitiveFieldRef() = change.primitiveField();
-    kernel_.spread(seen);
+    kernel_.smooth(seen);
 
     label k = 0;
     for (StockParcel& p : cloud_)

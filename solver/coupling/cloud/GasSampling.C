@@ -293,7 +293,7 @@ GasSampling::GasSampling
 (
     StockCloud& cloud,
     const SolidFraction& solids,
-    const SpreadingKernel& kernel,
+    const DiffusionKernel& kernel,
     const Feed* feed,
     const CloudContacts* contacts
 )
@@ -361,7 +361,7 @@ scalar GasSampling::selfInducedShare(const scalar weight, const scalar speed) co
     {
         largest = max(largest, m.sizes.max());
     }
-    SpreadingKernel kernel(kernel_);
+    DiffusionKernel kernel(kernel_);
     kernel.adapt(largest);
 
     const scalar viscosity = gAverage(cloud_.mu().primitiveField());

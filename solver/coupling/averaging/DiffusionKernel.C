@@ -5,7 +5,7 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "averaging/SpreadingKernel.H"
+#include "averaging/DiffusionKernel.H"
 #include "foam/foamVersion.H"
 #include "fvm.H"
 #include "fvcSurfaceIntegrate.H"
@@ -17,7 +17,7 @@
 namespace Foam
 {
 
-SpreadingKernel::SpreadingKernel(const fvMesh& mesh, const dictionary& dict)
+DiffusionKernel::DiffusionKernel(const fvMesh& mesh, const dictionary& dict)
 :
     mesh_(mesh),
     asked_(-1),
@@ -58,7 +58,7 @@ SpreadingKernel::SpreadingKernel(const fvMesh& mesh, const dictionary& dict)
 }
 
 
-void SpreadingKernel::adapt(const scalar largestDiameter)
+void DiffusionKernel::adapt(const scalar largestDiameter)
 {
     if (asked_ < 0)
     {
@@ -67,25 +67,25 @@ void SpreadingKernel::adapt(const scalar largestDiameter)
 }
 
 
-label SpreadingKernel::explicitSteps() const
+label DiffusionKernel::explicitSteps() const
 {
     return max(steps_, label(ceil(sqr(width_)*exchangeRate_)));
 }
 
 
 template<class Type>
-void SpreadingKernel::diffuseExplicit
+void DiffusionKernel::diffuseExplicit
 (
     GeometricField<Type, fvPatchField, volMesh>& field,
     const label steps
 ) const
 {
-    const scalar stretch = 0.5*sqr(width_)/steps;
+    const scalar diffusion = 0.5*sqr(width_)/steps;
     const labelUList& owner = mesh_.owner();
     const labelUList& neighbour = mesh_.neighbour();
     const scalarField weight
     (
-        stretch*mesh_.magSf().primitiveField()
+        diffusion*mesh_.magSf().primitiveField()
        *mesh_.deltaCoeffs().primitiveField()
     );
     Field<Type>& values = field.primitiveFieldRef();
@@ -121,7 +121,7 @@ void SpreadingKernel::diffuseExplicit
             forAll(cells, i)
             {
                 gain[cells[i]] +=
-                    stretch*patch.magSf()[i]*patch.deltaCoeffs()[i]
+                    diffusion*patch.magSf()[i]*patch.deltaCoeffs()[i]
                    *(other[i] - values[cells[i]]);
             }
         }
@@ -132,15 +132,15 @@ void SpreadingKernel::diffuseExplicit
 
 
 template<class Type>
-void SpreadingKernel::diffuseImplicit
+void DiffusionKernel::diffuseImplicit
 (
     GeometricField<Type, fvPatchField, volMesh>& field
 ) const
 {
     // (1 - width^2/(2 steps) laplacian) new = old, `steps` times
-    const dimensionedScalar stretch
+    const dimensionedScalar diffusion
     (
-        "stretch", dimArea, sqr(width_)/(2*steps_)
+        "diffusion", dimArea, sqr(width_)/(2*steps_)
     );
     const fv::gaussLaplacianScheme<Type, scalar> laplacian
     (
@@ -152,11 +152,11 @@ void SpreadingKernel::diffuseImplicit
     (
         IOobject
         (
-            "stretch", mesh_.time().timeName(), mesh_,
+            "diffusion", mesh_.time().timeName(), mesh_,
             IOobject::NO_READ, IOobject::NO_WRITE, false
         ),
         mesh_,
-        stretch
+        diffusion
     );
 
     dictionary controls;
@@ -182,7 +182,7 @@ void SpreadingKernel::diffuseImplicit
 
 
 template<class Type>
-void SpreadingKernel::spread
+void DiffusionKernel::smooth
 (
     GeometricField<Type, fvPatchField, volMesh>& field
 ) const
@@ -205,8 +205,8 @@ void SpreadingKernel::spread
 }
 
 
-template void SpreadingKernel::spread(volScalarField&) const;
-template void SpreadingKernel::spread(volVectorField&) const;
+template void DiffusionKernel::smooth(volScalarField&) const;
+template void DiffusionKernel::smooth(volVectorField&) const;
 
 
 } // End namespace Foam
