@@ -18,7 +18,7 @@ namespace Foam
 SolidFraction::SolidFraction(const fvMesh& mesh, DiffusionKernel& kernel)
 :
     kernel_(kernel),
-    shares_(mesh),
+    overlap_(mesh),
     theta_
     (
         IOobject
@@ -59,7 +59,7 @@ void SolidFraction::add
     const scalar diameter
 )
 {
-    shares_.add(added_, celli, centre, volume);
+    overlap_.add(added_, celli, centre, volume);
     largest_ = max(largest_, diameter);
 }
 
@@ -94,7 +94,7 @@ void SolidFraction::arrive
     const scalar volume
 )
 {
-    shares_.add(arrived_, celli, centre, volume);
+    overlap_.add(arrived_, celli, centre, volume);
 }
 
 

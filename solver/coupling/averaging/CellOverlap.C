@@ -5,7 +5,7 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "averaging/VolumeShares.H"
+#include "averaging/CellOverlap.H"
 #include "volMesh.H"
 
 namespace Foam
@@ -13,7 +13,7 @@ namespace Foam
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-scalar VolumeShares::part
+scalar CellOverlap::part
 (
     const label celli,
     const point& centre,
@@ -39,7 +39,7 @@ scalar VolumeShares::part
 }
 
 
-void VolumeShares::findAround(const label celli)
+void CellOverlap::findAround(const label celli)
 {
     cells_.clear();
     for (const label pointi : mesh_.cellPoints()[celli])
@@ -57,7 +57,7 @@ void VolumeShares::findAround(const label celli)
 
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
-VolumeShares::VolumeShares(const fvMesh& mesh)
+CellOverlap::CellOverlap(const fvMesh& mesh)
 :
     mesh_(mesh),
     faces_(mesh.nFaces()),
@@ -83,7 +83,7 @@ VolumeShares::VolumeShares(const fvMesh& mesh)
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
-void VolumeShares::add
+void CellOverlap::add
 (
     scalarField& sums,
     const label celli,
