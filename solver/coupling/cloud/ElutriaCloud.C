@@ -23,7 +23,7 @@ CloudContacts* ElutriaCloud::findContacts()
     auto* contacts = dynamic_cast<CloudContacts*>(&collision());
     if (contacts)
     {
-        contacts->meetMirrors();
+        contacts->addSymmetryWalls();
     }
     return contacts;
 }

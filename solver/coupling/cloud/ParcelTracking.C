@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ParcelTracking.H"
-#include "contacts/MirrorPatches.H"
+#include "contacts/SymmetryWalls.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "parallel/ParcelTransfer.H"
@@ -124,7 +124,7 @@ void ParcelTracking::meetPatch
     const vector arrival(flight.start + done*(flight.end - flight.start));
     const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
 
-    if (contacts_ && meetsParticles(patch))
+    if (contacts_ && isContactPatch(patch))
     {
         slide(p, flight, td, dt);
         return;

@@ -6,12 +6,14 @@
 \*---------------------------------------------------------------------------*/
 
 #include "contacts/ContactSettings.H"
+#include "contacts/SymmetryWalls.H"
 #include "foam/foamVersion.H"
+#include "foam/engineVectors.H"
 #include "cyclicPolyPatch.H"
 #include "processorCyclicPolyPatch.H"
-#include "contacts/MirrorPatches.H"
 #include "Enum.H"
 #include "SubField.H"
+#include "wallPolyPatch.H"
 
 #include <stdexcept>
 
@@ -264,9 +266,9 @@ ContactSettings::ContactSettings
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
-void ContactSettings::meetMirrors(const label nParticle, const polyMesh& mesh)
+void ContactSettings::addSymmetryWalls(const label nParticle, const polyMesh& mesh)
 {
-    addMirrors(materials, nParticle, mesh);
+    addSymmetryMaterial(materials, nParticle, mesh);
     walls = collectWalls(mesh, nParticle, settings.box, true);
 }
 
@@ -292,7 +294,7 @@ elutria::dem::Walls collectWalls
     const polyMesh& mesh,
     const uint32_t firstMaterial,
     const elutria::dem::PeriodicBox& box,
-    const bool mirrors
+    const bool symmetryPlanes
 )
 {
     // Own wall faces, triangulated as the tracking does; nine numbers and the
@@ -302,15 +304,15 @@ elutria::dem::Walls collectWalls
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
 
-    const label mirror = wallPatchNames(mesh).size();
+    const label symmetry = wallPatchNames(mesh).size();
     label walls = 0;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        if (!isA<wallPolyPatch>(patch) && !(mirrors && isMirror(patch)))
+        if (!isA<wallPolyPatch>(patch) && !(symmetryPlanes && isSymmetry(patch)))
         {
             continue;
         }
-        const label wall = isMirror(patch) ? mirror : walls++;
+        const label wall = isSymmetry(patch) ? symmetry : walls++;
         for (const face& f : patch)
         {
             faceList triangles(f.nTriangles());
@@ -347,7 +349,7 @@ elutria::dem::Walls collectWalls
                     if (!known.found(p))
                     {
                         known.insert(p, geometry.points.size());
-                        geometry.points.push_back({p.x(), p.y(), p.z()});
+                        geometry.points.push_back(toEngine(p));
                     }
                     triangle[k] = known[p];
                 }
@@ -367,8 +369,8 @@ elutria::dem::PeriodicBox periodicBox(const polyMesh& mesh)
 {
     elutria::dem::PeriodicBox box;
     const boundBox bounds(mesh.bounds());
-    box.low = {bounds.min().x(), bounds.min().y(), bounds.min().z()};
-    box.high = {bounds.max().x(), bounds.max().y(), bounds.max().z()};
+    box.low = toEngine(bounds.min());
+    box.high = toEngine(bounds.max());
 
     boolList periodic(3, false);
     for (const polyPatch& patch : mesh.boundaryMesh())

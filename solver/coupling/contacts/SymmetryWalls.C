@@ -3,20 +3,10 @@
 
     Copyright (C) 2026 The Elutria developers
     SPDX-License-Identifier: GPL-3.0-or-later
-
-Description
-    Particles at a plane of symmetry meet their own mirror images: for the
-    engine the plane is a wall without friction, of the particles' material.
-    (Were only their centres thrown back there, a plane of symmetry would let
-    them overlap, the more the longer the step.)
-
 \*---------------------------------------------------------------------------*/
 
-#ifndef MirrorPatches_H
-#define MirrorPatches_H
-
-#include "engine/Engine.hpp"
-#include "polyMesh.H"
+#include "contacts/SymmetryWalls.H"
+#include "foam/foamVersion.H"
 #include "symmetryPlanePolyPatch.H"
 #include "symmetryPolyPatch.H"
 #include "wallPolyPatch.H"
@@ -24,21 +14,19 @@ Description
 namespace Foam
 {
 
-inline bool isMirror(const polyPatch& patch)
+bool isSymmetry(const polyPatch& patch)
 {
     return isA<symmetryPolyPatch>(patch) || isA<symmetryPlanePolyPatch>(patch);
 }
 
 
-//- Does the engine know the patch?
-inline bool meetsParticles(const polyPatch& patch)
+bool isContactPatch(const polyPatch& patch)
 {
-    return isA<wallPolyPatch>(patch) || isMirror(patch);
+    return isA<wallPolyPatch>(patch) || isSymmetry(patch);
 }
 
 
-//- Add the mirrors' material after the particles' (the first) and the walls'
-inline void addMirrors
+void addSymmetryMaterial
 (
     elutria::dem::ContactMaterials& materials,
     const label nParticle,
@@ -48,15 +36,15 @@ inline void addMirrors
     bool any = false;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        any = any || isMirror(patch);
+        any = any || isSymmetry(patch);
     }
     if (!any)
     {
         return;
     }
-    elutria::dem::ContactMaterial mirror(materials[0]);
-    mirror.name = "symmetry";
-    const uint32_t index = materials.add(mirror);
+    elutria::dem::ContactMaterial symmetry(materials[0]);
+    symmetry.name = "symmetry";
+    const uint32_t index = materials.add(symmetry);
     for (label a = 0; a < nParticle; ++a)
     {
         elutria::dem::PairProperties pair(materials.pair(a, a));
@@ -66,6 +54,5 @@ inline void addMirrors
     }
 }
 
-} // End namespace Foam
 
-#endif
+} // End namespace Foam
