@@ -18,7 +18,7 @@ Description
 #include "cloud/ElutriaCloud.H"
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
-#include "run/WholeTime.H"
+#include "run/AtomicTime.H"
 #include "run/ending.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
@@ -63,9 +63,9 @@ scalar asWritten(const scalar value)
 
 //- Write the step just done, and end the run with it if it is the last
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
-    const WholeTime& whole, const bool last)
+    const AtomicTime& atomic, const bool last)
 {
-    whole.write([&]()
+    atomic.write([&]()
     {
         cloud.writeState();
         plan.write();
@@ -85,7 +85,7 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
 //- Write the state before a step that cannot be taken, to start again from
 void writeLastSound(Time& runTime, ElutriaCloud& cloud)
 {
-    WholeTime(runTime).write([&]()
+    AtomicTime(runTime).write([&]()
     {
         cloud.writeState();
         runTime.writeNow();
@@ -204,7 +204,7 @@ void settleGas
 //- From the case's files to the end of the run
 void run(const argList& args)
 {
-    WholeTime::discardHalf(args.path());
+    AtomicTime::discardIncomplete(args.path());
     #include "createTime.H"
     requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
 
@@ -265,9 +265,9 @@ void run(const argList& args)
         Info<< "Time = " << runTime.timeName() << nl << endl;
 
         // OpenFOAM's models write some of their files while they work
-        autoPtr<WholeTime> whole
+        autoPtr<AtomicTime> atomic
         (
-            runTime.writeTime() ? new WholeTime(runTime) : nullptr
+            runTime.writeTime() ? new AtomicTime(runTime) : nullptr
         );
 
         moveParticles(runTime, cloud);
@@ -282,13 +282,13 @@ void run(const argList& args)
         const ElutriaCloud::Count count = cloud.count();
         reportCount(runTime, cloud, count);
         drained = cloud.drained(count);
-        if (drained && !whole)
+        if (drained && !atomic)
         {
-            whole.reset(new WholeTime(runTime));
+            atomic.reset(new AtomicTime(runTime));
         }
-        if (whole)
+        if (atomic)
         {
-            write(runTime, cloud, plan, *whole, drained);
+            write(runTime, cloud, plan, *atomic, drained);
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);

@@ -5,7 +5,7 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "run/WholeTime.H"
+#include "run/AtomicTime.H"
 #include "HashSet.H"
 #include "IOstreams.H"
 #include "OSspecific.H"
@@ -22,12 +22,12 @@ namespace Foam
 namespace
 {
 
-//- Beside the time folders, so that it comes before the folder and goes after it
+//- Beside the time folders: made before the folder and removed after it
 const std::string markPrefix("elutriaUnfinished.");
 
 
 //- OpenFOAM's files begin with a banner and end with one
-bool isWhole(const std::filesystem::path& file)
+bool isComplete(const std::filesystem::path& file)
 {
     std::ifstream is(file, std::ios::binary);
     std::string begin(4, ' '), end(3, ' ');
@@ -35,13 +35,13 @@ bool isWhole(const std::filesystem::path& file)
     is.seekg(-3, std::ios::end);
     is.read(&end[0], 3);
 
-    // Of another's making: not ours to judge, unless nothing of it arrived
+    // Another program's file is judged by its size only
     const bool foams = begin == "/*--" || begin == "Foam";
     return foams ? is && end == "//\n" : std::filesystem::file_size(file) > 0;
 }
 
 
-std::string firstHalfFile(const fileName& folder)
+std::string firstIncomplete(const fileName& folder)
 {
     for
     (
@@ -49,7 +49,7 @@ std::string firstHalfFile(const fileName& folder)
         std::filesystem::recursive_directory_iterator(folder.c_str())
     )
     {
-        if (entry.is_regular_file() && !isWhole(entry.path()))
+        if (entry.is_regular_file() && !isComplete(entry.path()))
         {
             return entry.path().string();
         }
@@ -60,7 +60,7 @@ std::string firstHalfFile(const fileName& folder)
 } // End anonymous namespace
 
 
-WholeTime::WholeTime(const Time& runTime)
+AtomicTime::AtomicTime(const Time& runTime)
 :
     folder_(runTime.timePath()),
     mark_(folder_.path()/(markPrefix + folder_.name()))
@@ -68,45 +68,45 @@ WholeTime::WholeTime(const Time& runTime)
     const bool made = bool(std::ofstream(mark_) << "being written\n" << std::flush);
     if (!returnReduce(made, andOp<bool>()))
     {
-        breakOff(folder_);
+        fail(folder_);
     }
 }
 
 
-void WholeTime::breakOff(const fileName& file) const
+void AtomicTime::fail(const fileName& file) const
 {
     FatalErrorInFunction
         << "cannot write " << file << ": is the disk full or the folder"
-        << " read-only? The run can go on from the time before"
+        << " read-only? The run can be continued from the time before"
         << exit(FatalError);
 }
 
 
-void WholeTime::write(const std::function<void()>& work) const
+void AtomicTime::write(const std::function<void()>& work) const
 {
-    string half;
+    string incomplete;
     try
     {
         work();
-        half = firstHalfFile(folder_);
+        incomplete = firstIncomplete(folder_);
     }
     catch (const IOerror& error)
     {
-        half = error.ioFileName();
+        incomplete = error.ioFileName();
         if (Pstream::parRun())
         {
-            breakOff(fileName(half));   // the others may wait within the work
+            fail(fileName(incomplete));   // the others may wait within the work
         }
     }
-    if (!returnReduce(half.empty(), andOp<bool>()))
+    if (!returnReduce(incomplete.empty(), andOp<bool>()))
     {
-        breakOff(half.empty() ? folder_ : fileName(half));
+        fail(incomplete.empty() ? folder_ : fileName(incomplete));
     }
     rm(mark_);
 }
 
 
-void WholeTime::discardHalf(const fileName& folder)
+void AtomicTime::discardIncomplete(const fileName& folder)
 {
     wordHashSet names;
     for (const fileName& file : readDir(folder, fileName::FILE, false))
@@ -121,11 +121,11 @@ void WholeTime::discardHalf(const fileName& folder)
 
     for (const word& name : names.sortedToc())
     {
-        Info<< "elutria: time " << name << " was not written to its end and is"
-            << " left out" << endl;
+        Info<< "elutria: time " << name << " was not written completely and is"
+            << " discarded" << endl;
         rmDir(folder/name);
     }
-    returnReduce(true, andOp<bool>());      // no mark goes before all folders
+    returnReduce(true, andOp<bool>());      // all folders are removed before any mark
     for (const word& name : names)
     {
         rm(folder/(markPrefix + name));
