@@ -19,7 +19,7 @@ Description
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
 #include "run/AtomicTime.H"
-#include "run/ending.H"
+#include "run/exitHandling.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "sigFpe.H"
@@ -244,7 +244,7 @@ void run(const argList& args)
 
     plan.announce(cloud, runTime);
     plan.account(ScenePlan::partOutput);
-    ending::caseIsRead();
+    exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
     const scalar largestStep = plan.largestStep(cloud);
@@ -324,5 +324,5 @@ int main(int argc, char *argv[])
 
     #include "addCheckCaseOptions.H"
     #include "setRootCaseLists.H"
-    return ending::guarded([&]() { run(args); });
+    return exitHandling::guarded([&]() { run(args); });
 }

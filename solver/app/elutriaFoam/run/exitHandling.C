@@ -5,7 +5,7 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "run/ending.H"
+#include "run/exitHandling.H"
 #include "foam/UnsoundStep.H"
 #include "error.H"
 #include "IOstreams.H"
@@ -91,13 +91,13 @@ void handleFaults()
 } // End anonymous namespace
 
 
-void ending::caseIsRead()
+void exitHandling::caseIsRead()
 {
     code = runAtFault;
 }
 
 
-int ending::guarded(const std::function<void()>& work)
+int exitHandling::guarded(const std::function<void()>& work)
 {
     FatalError.throwExceptions();
     FatalIOError.throwExceptions();
