@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ElutriaCloud.H"
-#include "contacts/ContactMemory.H"
+#include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
@@ -137,7 +137,7 @@ ElutriaCloud::ElutriaCloud
 {
     if (contacts_)
     {
-        contactMemory::read(*this, contacts_->engine());
+        contactHistory::read(*this, contacts_->engine());
     }
 }
 
@@ -214,7 +214,7 @@ void ElutriaCloud::writeState()
     entry_.writeState();
     if (contacts_)
     {
-        contactMemory::write(*this, contacts_->engine());
+        contactHistory::write(*this, contacts_->engine());
     }
     sampling_.writeState();
 }

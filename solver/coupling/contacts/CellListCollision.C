@@ -24,15 +24,13 @@ elutria::dem::Particles CellListCollision<CloudType>::particles() const
     elutria::dem::Particles all;
     for (const parcelType& p : this->owner())
     {
-        const point position(p.position());
-        const vector omega(p.omega());
         all.id.push_back(parcelName(p));
         all.material.push_back(material(p));
         all.radius.push_back(0.5*p.d());
         all.mass.push_back(p.mass());
-        all.position.push_back({position.x(), position.y(), position.z()});
-        all.velocity.push_back({p.U().x(), p.U().y(), p.U().z()});
-        all.spin.push_back({omega.x(), omega.y(), omega.z()});
+        all.position.push_back(toEngine(p.position()));
+        all.velocity.push_back(toEngine(p.U()));
+        all.spin.push_back(toEngine(p.omega()));
     }
     const size_t n = all.size();
     all.number.assign(n, 1);
@@ -110,9 +108,8 @@ void CellListCollision<CloudType>::collide()
     size_t i = 0;
     for (parcelType& p : this->owner())
     {
-        const auto force = all.velocity[i], torque = all.spin[i];
-        p.f() = vector(force.x, force.y, force.z);
-        p.torque() = vector(torque.x, torque.y, torque.z);
+        p.f() = toFoam(all.velocity[i]);
+        p.torque() = toFoam(all.spin[i]);
         ++i;
     }
 }

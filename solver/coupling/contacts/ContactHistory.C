@@ -5,9 +5,10 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "contacts/ContactMemory.H"
-#include "foam/stateFile.H"
+#include "contacts/ContactHistory.H"
+#include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
+#include "foam/stateFile.H"
 #include "IOField.H"
 
 namespace Foam
@@ -28,7 +29,7 @@ uint64_t joined(const label high, const label low)
 } // End anonymous namespace
 
 
-void contactMemory::write(const cloud& c, const elutria::dem::Engine& engine)
+void contactHistory::write(const cloud& c, const elutria::dem::Engine& engine)
 {
     const auto records = engine.exportContacts();
 
@@ -51,15 +52,14 @@ void contactMemory::write(const cloud& c, const elutria::dem::Engine& engine)
         names[nLabels*i + 2] = label(uint32_t(record.second >> 32));
         names[nLabels*i + 3] = label(uint32_t(record.second));
         names[nLabels*i + 4] = record.wall;
-        const auto& t = record.tangential;
-        displacements[i++] = vector(t.x, t.y, t.z);
+        displacements[i++] = toFoam(record.tangential);
     }
     names.write();
     displacements.write();
 }
 
 
-void contactMemory::read(const cloud& c, elutria::dem::Engine& engine)
+void contactHistory::read(const cloud& c, elutria::dem::Engine& engine)
 {
     const IOobject namesHeader
     (
@@ -82,11 +82,10 @@ void contactMemory::read(const cloud& c, elutria::dem::Engine& engine)
     forAll(displacements, i)
     {
         const label* name = names.cdata() + nLabels*i;
-        const vector& d = displacements[i];
         records[i].first = joined(name[0], name[1]);
         records[i].second = joined(name[2], name[3]);
         records[i].wall = name[4];
-        records[i].tangential = {d.x(), d.y(), d.z()};
+        records[i].tangential = toEngine(displacements[i]);
     }
     engine.importContacts(records);
 }
