@@ -216,7 +216,7 @@ void run(const argList& args)
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
 
-    GasPhase gas(mesh, pimple, g);
+    GasPhase gas(runTime, mesh, pimple, g);
     ElutriaCloud cloud
     (
         args.opt<word>("cloud", "kinematicCloud"),

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "gas/GasPhase.H"
+#include "gas/GasClock.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
@@ -225,11 +226,13 @@ void GasPhase::keepBoundaries()
 
 GasPhase::GasPhase
 (
+    Time& runTime,
     fvMesh& mesh,
     pimpleControl& pimple,
     const dimensionedVector& g
 )
 :
+    runTime_(runTime),
     mesh_(mesh),
     pimple_(pimple),
     g_(g),
@@ -373,9 +376,8 @@ void GasPhase::solve
     const scalar dt
 )
 {
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar runStep = runTime.deltaTValue();
-    runTime.setDeltaT(dt, false);
+    GasClock clock(runTime_);
+    clock.setStep(dt);
     courantRate_ = -1;
 
     while (pimple_.loop())
@@ -420,7 +422,6 @@ void GasPhase::solve
     }
     reportContinuity();
     keepBoundaries();
-    runTime.setDeltaT(runStep, false);
 }
 
 

@@ -11,6 +11,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "gas/GasPhase.H"
+#include "gas/GasClock.H"
 #include "gas/GasState.H"
 #include "foam/UnsoundStep.H"
 
@@ -52,24 +53,19 @@ tmp<volVectorField> GasPhase::solveInSteps
         return U_ - before;
     }
 
-    // Indices of time that the run itself does not reach tell the steps' old
-    // values apart
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar now = runTime.value();
-    const label index = runTime.timeIndex();
-
+    GasClock clock(runTime_);
     tmp<volVectorField> tmean(U_ - before);
     setVoidFraction(alphaStart);
     for (label step = 1; step <= steps && unsound().empty(); ++step)
     {
-        runTime.setTime(now, labelMax/2 + extraSteps_++ % (labelMax/2));
+        // An index that the run itself does not reach
+        clock.setIndex(labelMax/2 + extraSteps_++ % (labelMax/2));
         const scalar done = scalar(step)/steps;
         setVoidFraction(((1 - done)*alphaStart + done*alphaEnd)());
         solve(force, coefficient, dt/steps);
         tmean.ref() += (U_ - before)/scalar(steps);
     }
     setVoidFraction(alphaEnd);
-    runTime.setTime(now, index);
     return tmean;
 }
 
@@ -163,9 +159,6 @@ tmp<volVectorField> GasPhase::advance
     const volScalarField alphaEnd("alphaEnd", alpha_);
     const volScalarField alphaStart("alphaStart", alpha_.oldTime());
     const GasState before(mesh_);
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar now = runTime.value(), runStep = runTime.deltaTValue();
-    const label index = runTime.timeIndex();
 
     const scalar asked = dt*courantRate()/courant*(1 - SMALL);
     label steps = label(max(scalar(1), ceil(min(asked, scalar(mostSteps)))));
@@ -192,8 +185,6 @@ tmp<volVectorField> GasPhase::advance
         {
             // OpenFOAM breaks off where an equation's residual is not a number
             finishLoops();
-            runTime.setDeltaT(runStep, false);
-            runTime.setTime(now, index);
             trouble = unsound();
             if (trouble.empty())
             {
@@ -232,15 +223,14 @@ void GasPhase::converge
     const label retakes
 )
 {
-    Time& runTime = const_cast<Time&>(mesh_.time());
-    const scalar start = runTime.value();
-    const label index = runTime.timeIndex();
-    const scalar runStep = runTime.deltaTValue();
     const scalar through = throughTime();
     if (through >= GREAT)
     {
         return;
     }
+
+    GasClock clock(runTime_);
+    const label index = runTime_.timeIndex();
 
     // Ten passes of the gas are enough where it settles at all
     scalar change = GREAT, passed = 0;
@@ -248,14 +238,12 @@ void GasPhase::converge
     while (change > tolerance && passed < 10*through)
     {
         const scalar dt = min(courant/courantRate(), through);
-        runTime.setTime(start, index + ++steps);
-        runTime.setDeltaT(dt, false);
+        clock.setIndex(index + ++steps);
+        clock.setStep(dt);
 
         change = relative(advance(none, dt, GREAT, retakes)())*through/dt;
         passed += dt;
     }
-    runTime.setDeltaT(runStep, false);
-    runTime.setTime(start, index);
 
     Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
         << " passes; change per pass " << change
