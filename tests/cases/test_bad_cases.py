@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import random
 import resource
 import shutil
+import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -109,6 +112,47 @@ def test_what_must_be_positive(scene: Path, tmp_path: Path, entry: str, value: f
     assert code == 2
     assert entry.split(":")[1] in said
     assert "allowed: > 0" in said
+
+
+def test_a_feed_that_is_not_there_is_named(scene: Path, tmp_path: Path) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    (case / "constant/feed").unlink()
+    code, said = start(case)
+    assert code == 2
+    assert "constant/feed: file not found; injection model feed" in said
+
+
+@pytest.mark.parametrize("parcels", ["evenMass", "evenSizes"])
+def test_stock_refuses_weighted_parcels_by_their_name(
+    scene: Path, tmp_path: Path, parcels: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{malformed.FEED}:parcels": parcels, f"{malformed.FEED}:duration": 0.1})
+    change(case, {f"{CONTROL}:libs": ["libelutriaCollision.so"]})
+    done = subprocess.run(["DPMFoam"], cwd=case, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert f"parcels is {parcels}, allowed in this solver: particles" in done.stdout + done.stderr
+
+
+def test_a_memory_fault_while_reading_does_not_blame_the_mesh(scene: Path, tmp_path: Path) -> None:
+    """The run waits for its feed, a pipe that nobody writes to, when the fault comes."""
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    (case / "constant/feed").unlink()
+    os.mkfifo(case / "constant/feed")
+    with subprocess.Popen(["elutriaFoam"], cwd=case, stdout=subprocess.PIPE, text=True) as run:
+        assert run.stdout is not None
+        for line in run.stdout:
+            if line.startswith("Create mesh"):
+                break
+        time.sleep(1)
+        run.send_signal(signal.SIGSEGV)
+        said = run.stdout.read()
+    assert run.returncode == 2
+    assert "memory fault while the case was read" in said
+    assert "a defect of elutriaFoam" in said
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@
 
 #include "feed/Feed.H"
 #include "foam/foamVersion.H"
+#include "foam/requirePositive.H"
 #include "volFields.H"
 #include "mathematicalConstants.H"
 #include "wordRes.H"
@@ -48,7 +49,9 @@ scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 
 scalar readPositive(const dictionary& dict, const word& entry)
 {
-    return readAtLeast(dict, entry, VSMALL);
+    const scalar value = dict.get<scalar>(entry);
+    requirePositive(entry, value, dict);
+    return value;
 }
 
 } // End anonymous namespace
@@ -394,6 +397,24 @@ const Feed* Feed::find(const fvMesh& mesh, const word& phaseName)
     Feed* feed = new Feed(mesh, phaseName);
     feed->store();
     return feed;
+}
+
+
+const Feed& Feed::require
+(
+    const fvMesh& mesh,
+    const word& phaseName,
+    const char* const model
+)
+{
+    const Feed* feed = find(mesh, phaseName);
+    if (!feed)
+    {
+        FatalErrorInFunction
+            << mesh.time().constant()/"feed" << ": file not found; " << model
+            << " of the cloud's properties needs it" << exit(FatalError);
+    }
+    return *feed;
 }
 
 

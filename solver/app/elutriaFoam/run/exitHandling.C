@@ -55,12 +55,13 @@ std::string onOneLine(const std::string& text)
 void memoryFault(int)
 {
     static const char reading[] =
-        "\nelutria: failed: the case made the program read outside its memory;"
-        " likely cause: mesh files that do not fit each other (checkMesh tells)"
-        "\n";
+        "\nelutria: failed: memory fault while the case was read; checkMesh tells"
+        " whether the mesh files fit each other, anything else is a defect of"
+        " elutriaFoam\n";
     static const char running[] =
-        "\nelutria: failed: the program broke off within a step (memory fault);"
-        " the last written time is whole\n";
+        "\nelutria: failed: memory fault within a step, a defect of elutriaFoam;"
+        " the run can be continued from the last written time, which is"
+        " complete\n";
     const char* const text = code == caseAtFault ? reading : running;
     if (write(STDOUT_FILENO, text, std::strlen(text)) >= 0)
     {
