@@ -126,9 +126,10 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
-        Info<< "    Warning: " << cloud.excessVolume()
-            << " m3 of solids are above the largest solid fraction "
-            << largest << " and not seen by the gas" << endl;
+        Info<< "    Warning: the solid fraction exceeds alphaMax " << largest
+            << " in some cells: the gas does not see " << cloud.excessVolume()
+            << " m3 of solids; lower the feed's loading, or raise alphaMax of"
+            << " constantProperties" << endl;
     }
 }
 
@@ -249,7 +250,7 @@ void run(const argList& args)
 
     const scalar largestStep = plan.largestStep(cloud);
 
-    // What was over before is not gone on with
+    // Do not continue a run that has already finished
     bool drained = cloud.drained(cloud.count());
     while (!drained && runTime.run())
     {

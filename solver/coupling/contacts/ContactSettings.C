@@ -125,7 +125,7 @@ void ContactSettings::readOwn
         FatalIOErrorInFunction(dict)
             << "stepFraction is " << settings.stepFraction
             << ", allowed: above 0, up to " << largestStepFraction
-            << " of a contact's duration" << exit(FatalIOError);
+            << " of the duration of a contact" << exit(FatalIOError);
     }
     dict.readIfPresent("step", settings.step);
     dict.readIfPresent("skin", settings.skin);
@@ -395,9 +395,9 @@ elutria::dem::PeriodicBox periodicBox(const polyMesh& mesh)
         if (mag(mag(separation) - length) > 1e-6*length)
         {
             FatalErrorInFunction
-                << "cyclic patch " << patch.name() << " shifts by "
-                << separation << "; contacts allow a shift along one axis over"
-                << " the whole mesh" << exit(FatalError);
+                << "cyclic patch " << patch.name() << " has a separation of "
+                << separation << ", allowed with contacts: along one axis, the"
+                << " length of the whole mesh" << exit(FatalError);
         }
         periodic[axis] = true;
     }

@@ -98,8 +98,9 @@ void GasPhase::startFromSettled()
     const scalar ratio = inflow(phi_)/max(before, VSMALL);
     if (!(ratio > 1e-3 && ratio < 1e3))
     {
-        Info<< "    Warning: " << header.objectPath() << " is not of this mesh,"
-            << " or of a gas at rest, and not used" << endl;
+        Info<< "    Warning: " << header.objectPath() << " is ignored: it is"
+            << " of another mesh or of a gas at rest; remove it, or write it"
+            << " anew with -keepSettled" << endl;
         return;
     }
 
@@ -122,8 +123,8 @@ void GasPhase::startFromSettled()
     });
     alphaPhi_ = alphaf_*phi_;
     courantRate_ = -1;
-    Info<< "elutria: gas starts from that settled at " << 1/ratio
-        << " of its velocity" << endl;
+    Info<< "elutria: gas starts from the flow settled at " << 1/ratio
+        << " times its velocity" << endl;
 }
 
 

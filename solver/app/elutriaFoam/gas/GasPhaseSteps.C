@@ -24,7 +24,7 @@ namespace
 //- Above it the gas is no longer the incompressible gas that was asked for
 constexpr scalar largestSpeed = 1000;   // m/s
 
-//- Cells over which viscosity may spread momentum in a step, squared: PISO
+//- Cells over which viscosity may diffuse momentum in a step, squared: PISO
 //  splits pressure and velocity, and loses momentum beyond
 constexpr scalar largestDiffusion = 10;
 
@@ -72,17 +72,18 @@ tmp<volVectorField> GasPhase::solveInSteps
 
 void GasPhase::warnOfViscosity(const scalar dt) const
 {
-    const scalarField spread
+    const scalarField diffused
     (
         turbulence_->nuEff()().primitiveField()*dt
        /pow(mesh_.V().field(), 2.0/3.0)
     );
-    const scalar most = gMax(spread);
+    const scalar most = gMax(diffused);
     if (most > largestDiffusion)
     {
-        Info<< "    Warning: viscosity spreads momentum over " << sqrt(most)
-            << " cells in a gas step, allowed: " << sqrt(largestDiffusion)
-            << "; lower deltaT" << endl;
+        Info<< "    Warning: viscosity diffuses momentum over " << sqrt(most)
+            << " cells in a gas step of " << dt << " s, allowed: "
+            << sqrt(largestDiffusion) << "; set deltaT to at most "
+            << largestDiffusion/most*dt << " s" << endl;
     }
 }
 
@@ -165,8 +166,10 @@ tmp<volVectorField> GasPhase::advance
     if (asked > mostSteps)
     {
         Info<< "    Warning: the gas crosses up to " << asked*courant/steps
-            << " cells in each of " << steps << " parts of its step, allowed: "
-            << courant << " (gasCourant); lower deltaT or maxCo" << endl;
+            << " cells in each of the " << steps << " parts of its step of "
+            << dt << " s, allowed: " << courant
+            << " (gasCourant); set deltaT to at most " << dt*steps/asked
+            << " s" << endl;
     }
     warnOfViscosity(dt/steps);
     for (label attempt = 0; ; ++attempt)
