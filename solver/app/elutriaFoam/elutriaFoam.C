@@ -22,6 +22,7 @@ Description
 #include "run/exitHandling.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
+#include "profiling.H"
 #include "sigFpe.H"
 
 using namespace Foam;
@@ -65,6 +66,7 @@ scalar asWritten(const scalar value)
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
     const AtomicTime& atomic, const bool last)
 {
+    addProfiling(write, "elutria::write");
     atomic.write([&]()
     {
         cloud.writeState();

@@ -10,6 +10,7 @@
 #include "foam/foamVersion.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
+#include "profiling.H"
 
 namespace Foam
 {
@@ -71,6 +72,7 @@ void ElutriaCloud::advanceFreely(const scalar dt)
 
 void ElutriaCloud::advanceParticles(const scalar dt)
 {
+    addProfiling(engine, "elutria::engine");
     if (!contacts_)
     {
         advanceFreely(dt);

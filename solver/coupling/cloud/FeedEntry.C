@@ -7,6 +7,7 @@
 
 #include "cloud/FeedEntry.H"
 #include "foam/foamVersion.H"
+#include "profiling.H"
 
 namespace Foam
 {
@@ -123,6 +124,7 @@ FeedEntry::FeedEntry(StockCloud& cloud, SolidFraction& solids, const Feed* feed)
 
 void FeedEntry::enter()
 {
+    addProfiling(feed, "elutria::feed");
     countInjected();
     if (!injection_)
     {

@@ -8,6 +8,7 @@
 #include "cloud/GasCoupling.H"
 #include "foam/foamVersion.H"
 #include "foam/passingField.H"
+#include "profiling.H"
 #include "zeroGradientFvPatchFields.H"
 
 namespace Foam
@@ -60,6 +61,7 @@ vectorField GasCoupling::forceOnGas() const
 
 GasExchange GasCoupling::exchange() const
 {
+    addProfiling(exchange, "elutria::exchange");
     const fvMesh& mesh = cloud_.mesh();
     GasExchange gas
     {

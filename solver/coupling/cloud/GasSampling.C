@@ -12,6 +12,7 @@
 #include "foam/stateFile.H"
 #include "impacts/Flight.hpp"
 #include "IOField.H"
+#include "profiling.H"
 #include "turbulenceModel.H"
 
 #include <algorithm>
@@ -315,6 +316,7 @@ GasSampling::GasSampling
 
 void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
 {
+    addProfiling(sampling, "elutria::sampling");
     dispersing_ = disperses();
     eddyViscosity_ = mesh().findObject<volScalarField>
     (

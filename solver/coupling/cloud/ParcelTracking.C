@@ -11,6 +11,7 @@
 #include "foam/foamVersion.H"
 #include "parallel/ParcelTransfer.H"
 #include "meshTools.H"
+#include "profiling.H"
 
 namespace Foam
 {
@@ -238,6 +239,8 @@ void ParcelTracking::track
     const scalar dt
 )
 {
+    addProfiling(tracking, "elutria::tracking");
+
     // Parcels still to be tracked, with their flights: first all of the
     // cloud's, then those that arrive from other processors
     for (StockParcel& p : cloud_)

@@ -14,6 +14,7 @@ Description
 #include "gas/GasClock.H"
 #include "gas/GasState.H"
 #include "foam/UnsoundStep.H"
+#include "profiling.H"
 
 namespace Foam
 {
@@ -152,6 +153,8 @@ tmp<volVectorField> GasPhase::advance
     const label retakes
 )
 {
+    addProfiling(gas, "elutria::gas");
+
     // The explicit part at the velocity the particles saw
     const volVectorField force
     (
