@@ -131,6 +131,21 @@ def test_folders_include_in_one_order(part: str) -> None:
     assert arrows, f"{part}: no include between folders was found"
 
 
+def test_the_coupling_laws_are_plain_cpp() -> None:
+    """Laws in .hpp and .cpp include each other and the standard library, not OpenFOAM."""
+    laws = ROOT / "solver/coupling/laws"
+    own = {file.name for file in laws.rglob("*.hpp")}
+    found = [found for found in includes(laws) if found[0].suffix in {".hpp", ".cpp"}]
+    assert found
+    allowed = {"doctest/doctest.h"}
+    strangers = [
+        f"{file.relative_to(ROOT)}: {name}"
+        for file, quote, name in found
+        if not (Path(name).name in own if quote == '"' else name in allowed or name.isidentifier())
+    ]
+    assert strangers == []
+
+
 def test_no_tracked_file_holds_a_path_of_this_machine() -> None:
     marks = [f"{place}/".encode() for place in {ROOT, Path.home()} - {Path("/")}]
     holding = [
