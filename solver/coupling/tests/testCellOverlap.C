@@ -23,7 +23,13 @@ namespace
 {
 
 //- Length that [x - b, x + b] and [low, high] have in common, over 2 b
-scalar common(const scalar x, const scalar b, const scalar low, const scalar high)
+scalar common
+(
+    const scalar x,
+    const scalar b,
+    const scalar low,
+    const scalar high
+)
 {
     return max(min(x + b, high) - max(x - b, low), scalar(0))/(2*b);
 }

@@ -47,7 +47,9 @@ struct Process
             scalar sigma = 0;
             for (label step = 0; step < steps; ++step)
             {
-                way += time/steps*fluctuation(random, time/steps, gas, u, sigma);
+                way +=
+                    time/steps
+                   *fluctuation(random, time/steps, gas, u, sigma);
             }
             spread.end += sqr(u.x())/particles;
             spread.way += sqr(way.x())/particles;
@@ -97,12 +99,16 @@ TEST_CASE("without turbulence nothing fluctuates")
     process.gas.k = 0;
     vector u(1, 2, 3);
     scalar sigma = 1;
-    CHECK(process.fluctuation(process.random, 1, process.gas, u, sigma) == vector(Zero));
+    const vector moved
+    (
+        process.fluctuation(process.random, 1, process.gas, u, sigma)
+    );
+    CHECK(moved == vector(Zero));
     CHECK(u == vector(Zero));
 }
 
 
-TEST_CASE("a linear field keeps its gradient up to the walls, whatever stands on them")
+TEST_CASE("a linear field keeps its gradient up to the walls")
 {
     const BoxMesh box({4, 4, 4}, 1e-3);
     const fvMesh& mesh = box.mesh();
@@ -112,7 +118,8 @@ TEST_CASE("a linear field keeps its gradient up to the walls, whatever stands on
         mesh,
         dimensionedScalar(dimless, Zero)
     );
-    field.primitiveFieldRef() = mesh.C().primitiveField() & vector(100, 200, 300);
+    field.primitiveFieldRef() =
+        mesh.C().primitiveField() & vector(100, 200, 300);
     const volVectorField gradient(Process::interiorGradient(field));
     for (const vector& g : gradient.primitiveField())
     {

@@ -31,8 +31,9 @@ DepositSurroundings air(double kernel, double cellSize)
 }
 
 
-/// Velocity in the middle of a unit force that is spread over a Gaussian of standard deviation w in
-/// Stokes' flow, m/s/N: the Stokeslet's mean over all directions, 1/(6 pi mu r), shell by shell.
+//- Velocity in the middle of a unit force that is spread over a Gaussian of
+//  standard deviation w in Stokes' flow [m/s/N]: the Stokeslet's mean over all
+//  directions, 1/(6 pi mu r), shell by shell
 double velocityOfUnitForce(double w, double mu)
 {
     const int shells = 20000;
@@ -41,15 +42,16 @@ double velocityOfUnitForce(double w, double mu)
     for (int i = 0; i < shells; ++i)
     {
         const double r = (i + 0.5)*dr;
-        const double density = std::exp(-r*r/(2*w*w))/std::pow(2*pi*w*w, 1.5);
+        const double density =
+            std::exp(-r*r/(2*w*w))/std::pow(2*pi*w*w, 1.5);
         sum += 4*pi*r*r*dr*density/(6*pi*mu*r);
     }
     return sum;
 }
 
 
-/// Part of a unit deposit in one cell that is there after a random walk to the given variance along
-/// an axis, in cells^2.
+//- Part of a unit deposit in one cell that is there after a random walk along
+//  an axis to the given variance [cells^2]
 double staysOnLattice(double variance)
 {
     const int cells = 201, steps = 20000;
@@ -79,7 +81,8 @@ TEST_CASE("slow and wide, it is Stokes' flow of a force spread over a Gaussian")
     const double kernel = 1e-2, dragRate = 1e-8;
     const DepositSurroundings gas = air(kernel, 1e-5);
     const double share = selfInducedShare(dragRate, {1e-9, 0, 0}, gas);
-    CHECK(share == doctest::Approx(dragRate*velocityOfUnitForce(kernel, gas.mu)).epsilon(1e-4));
+    const double stokes = dragRate*velocityOfUnitForce(kernel, gas.mu);
+    CHECK(share == doctest::Approx(stokes).epsilon(1e-4));
 }
 
 
@@ -131,22 +134,29 @@ TEST_CASE("a particle that moves on leaves its disturbance behind")
 }
 
 
-TEST_CASE("the part of a deposit that stays in its cell is that of a walk on the lattice")
+TEST_CASE("the part that stays in a cell is that of a walk on the lattice")
 {
     for (const double kernel : {0.3, 1.0, 2.5})
     {
         const double stays = staysOnLattice(kernel*kernel);
-        CHECK(depositKept(kernel, 1) == doctest::Approx(stays*stays*stays).epsilon(1e-3));
+        CHECK
+        (
+            depositKept(kernel, 1)
+         == doctest::Approx(stays*stays*stays).epsilon(1e-3)
+        );
     }
     CHECK(depositKept(0, 1) == 1);
 }
 
 
-TEST_CASE("the spacing of equal parcels is the cube root of the volume each has")
+TEST_CASE("spacing is the cube root of the volume that each parcel has")
 {
     // 1000 parcels of 1 mm3 in 0.1 m3, 1 % of which is their own
     CHECK(neighbourSpacing(1e-5, 1e-9, 0) == doctest::Approx(std::cbrt(1e-4)));
-    CHECK(neighbourSpacing(1e-5, 1e-9, 5e-6) > neighbourSpacing(1e-5, 1e-9, 0));
+    CHECK
+    (
+        neighbourSpacing(1e-5, 1e-9, 5e-6) > neighbourSpacing(1e-5, 1e-9, 0)
+    );
     CHECK(neighbourSpacing(0, 1e-9, 0) > 1e30);
 }
 

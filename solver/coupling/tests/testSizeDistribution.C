@@ -138,7 +138,11 @@ TEST_CASE("half of the even sizes and more lie within 30 % of the focus")
     };
     const scalar before = meanOverDraws(near);
     sizes.focusOn(8e-4);
-    CHECK(meanOverDraws(near) == doctest::Approx(0.5 + 0.5*before).epsilon(1e-2));
+    CHECK
+    (
+        meanOverDraws(near)
+     == doctest::Approx(0.5 + 0.5*before).epsilon(1e-2)
+    );
 
     // Where there is no mass nothing changes
     SizeDistribution other(read(rosin));
