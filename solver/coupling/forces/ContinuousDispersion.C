@@ -18,7 +18,12 @@ namespace
 {
 
 //- A cell's value, linear to the place at the offset from its centre
-scalar linear(const scalar value, const vector& slope, const vector& offset)
+scalar linearInCell
+(
+    const scalar value,
+    const vector& slope,
+    const vector& offset
+)
 {
     return max(value + (slope & offset), 0.1*value);
 }
@@ -122,7 +127,7 @@ vector InertialDispersion::fluctuation
 {
     const scalar cellSigma = sqrt(2.0/3.0*gas.k);
     const vector& slope = gas.gradSigma;
-    const scalar sigma = linear(cellSigma, slope, offset);
+    const scalar sigma = linearInCell(cellSigma, slope, offset);
     if (cellSigma < SMALL || gas.epsilon < SMALL)
     {
         UTurb = Zero;
@@ -133,7 +138,7 @@ vector InertialDispersion::fluctuation
     const vector w0(tTurb > SMALL ? UTurb/tTurb : normalVector(random));
     const scalar shorter = 1/sqrt(1 + sqr(beta*meanSlip/sigma));
     const vector timeSlope(shorter*gas.gradTime);
-    const scalar T = linear
+    const scalar T = linearInCell
     (
         shorter*gas.k/gas.epsilon/(0.5 + 0.75*C0), timeSlope, offset
     );
@@ -166,8 +171,8 @@ vector InertialDispersion::fluctuation
     // The path leads through sigma of its middle
     const scalar steps = dt/max(relaxationTime, VSMALL);
     const scalar followed = 1 + std::expm1(-steps)/steps;
-    return
-        linear(cellSigma, slope, offset + 0.5*followed*dt*sigma*mean)*mean;
+    const vector middle(offset + 0.5*followed*dt*sigma*mean);
+    return linearInCell(cellSigma, slope, middle)*mean;
 }
 
 
