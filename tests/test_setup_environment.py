@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.foam_tree import foam_tree
+
 ROOT = Path(__file__).resolve().parents[1]
 REPORT = 'for v in "$@"; do printf "%s=%s\\n" "$v" "${!v-}"; done'
 
@@ -66,11 +68,8 @@ def test_the_clone_sourced_last_wins(clone_with_spaces: Path, tmp_path: Path) ->
 
 
 def test_a_sourced_openfoam_environment_stays(tmp_path: Path) -> None:
-    for part in ("wmake", "etc"):
-        (tmp_path / part).mkdir()
-    (tmp_path / "etc/bashrc").touch()
     mine = {
-        "WM_PROJECT_DIR": str(tmp_path),
+        "WM_PROJECT_DIR": str(foam_tree(tmp_path / "foam")),
         "WM_PROJECT_VERSION": "v2412",
         "FOAM_USER_LIBBIN": "/somewhere",
         "LD_LIBRARY_PATH": "/its/libraries",
@@ -81,12 +80,48 @@ def test_a_sourced_openfoam_environment_stays(tmp_path: Path) -> None:
     assert found.items() <= mine.items()
 
 
+@pytest.mark.parametrize(
+    ("release", "wmake", "why"),
+    [
+        ("2412", False, "has no wmake: install its development package (openfoam2412-dev)"),
+        ("", True, "is not openfoam.com's"),
+        ("1906", True, "is v1906: source v1912 or later"),
+    ],
+)
+def test_an_openfoam_that_cannot_be_used_is_refused(
+    tmp_path: Path, release: str, wmake: bool, why: str
+) -> None:
+    """Its own programs and libraries would stay in front of Debian's: nothing is changed."""
+    foam = foam_tree(tmp_path / "foam", release, wmake)
+    script = 'source "$1" || echo "$?: $WM_PROJECT_DIR $PATH"'
+    run = subprocess.run(
+        ["bash", "-c", script, "bash", str(ROOT / "etc/bashrc")],
+        env={"PATH": "/usr/bin:/bin", "WM_PROJECT_DIR": str(foam)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout == f"1: {foam} /usr/bin:/bin\n"
+    assert run.stderr.startswith(
+        f"elutria: failed: environment: the sourced OpenFOAM, {foam}, {why}"
+    )
+    assert len(run.stderr.splitlines()) == 1
+
+
 @pytest.mark.parametrize(("user", "allowed"), [("0", "1"), ("1000", "")])
-def test_open_mpi_is_let_run_as_root_for_root_only(tmp_path: Path, user: str, allowed: str) -> None:
+@pytest.mark.parametrize("foreign", [False, True])
+def test_open_mpi_is_let_run_as_root_for_root_only(
+    tmp_path: Path, user: str, allowed: str, foreign: bool
+) -> None:
     (tmp_path / "id").write_text(f"#!/bin/sh\necho {user}\n")
     (tmp_path / "id").chmod(0o755)
+    more = {"WM_PROJECT_DIR": str(foam_tree(tmp_path / "foam"))} if foreign else {}
     found = sourced(
-        ROOT / "etc/bashrc", ["OMPI_ALLOW_RUN_AS_ROOT"], tmp_path, path=f"{tmp_path}:/usr/bin:/bin"
+        ROOT / "etc/bashrc",
+        ["OMPI_ALLOW_RUN_AS_ROOT"],
+        tmp_path,
+        path=f"{tmp_path}:/usr/bin:/bin",
+        **more,
     )
     assert found["OMPI_ALLOW_RUN_AS_ROOT"] == allowed
 

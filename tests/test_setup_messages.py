@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from tests.support.foam_tree import foam_tree
+
 ROOT = Path(__file__).resolve().parents[1]
 TOOLS = ("bash", "cat", "cut", "dirname", "env", "grep", "mkdir", "printf", "sed", "tail")
 
-PACKAGES = "openfoam openfoam-examples g++ make cmake bzip2 doctest-dev"
+PACKAGES = "openfoam openfoam-examples bzip2 g++ make cmake doctest-dev"
 
 
 @pytest.fixture
@@ -49,16 +52,62 @@ def test_without_root_and_openfoam_the_packages_are_named(bare_machine: Path) ->
 
 
 def test_a_sourced_openfoam_asks_for_no_openfoam_and_installs_nothing(bare_machine: Path) -> None:
-    foam = bare_machine / "foam"
-    for part in ("wmake", "etc"):
-        (foam / part).mkdir(parents=True)
-    (foam / "etc/bashrc").touch()
+    foam = foam_tree(bare_machine / "foam")
     (bare_machine / "sudo").symlink_to("/bin/true")
     run = packages_step(bare_machine, WM_PROJECT_DIR=str(foam))
     assert run.returncode == 1
-    assert "missing: g++ make cmake" in run.stderr
+    assert "missing: g++ make cmake doctest-dev" in run.stderr
     assert "nothing is installed system-wide" in run.stderr
     assert "install openfoam" not in run.stderr
+
+
+def test_an_openfoam_without_wmake_is_refused_before_anything_is_done(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "etc", tmp_path / "clone/etc")
+    foam = foam_tree(tmp_path / "foam", wmake=False)
+    run = subprocess.run(
+        [str(tmp_path / "clone/etc/setup/setup")],
+        env={"PATH": "/usr/bin:/bin", "WM_PROJECT_DIR": str(foam)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (run.returncode, run.stdout) == (1, "")
+    assert "has no wmake: install its development package (openfoam2412-dev)" in run.stderr
+    assert [file.name for file in (tmp_path / "clone").iterdir()] == ["etc"]
+
+
+@pytest.mark.parametrize(
+    ("version", "ours", "package"),
+    [
+        ((3, 9), False, "python3.11-venv"),
+        ((3, 11), True, "python3-venv"),
+        ((3, 14), True, "python3-venv"),
+        ((3, 15), False, "python3.11-venv"),
+    ],
+)
+def test_the_pythons_are_those_that_the_pinned_packages_support(
+    tmp_path: Path, version: tuple[int, int], ours: bool, package: str
+) -> None:
+    """With a python3 that says to be of another version."""
+    python = tmp_path / "python3"
+    python.write_text(
+        f"#!/bin/sh\nshift; exec '{sys.executable}' -c "
+        f"'import sys; sys.version_info = {version}; exec(sys.argv.pop(1))' \"$@\"\n"
+    )
+    python.chmod(0o755)
+    script = """
+        elutriaRoot="$1"; source "$1/etc/setup/places"
+        isOurPython python3 && echo ours || echo other
+        packageForVenv
+    """
+    run = subprocess.run(
+        ["bash", "-c", script, "bash", str(ROOT)],
+        env={"PATH": f"{tmp_path}:/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert run.stdout.split() == ["ours" if ours else "other", package]
 
 
 def test_a_machine_without_apt_is_told_so(bare_machine: Path) -> None:

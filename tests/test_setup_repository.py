@@ -175,11 +175,27 @@ def test_scripts_can_be_started_and_bash_understands_them() -> None:
         "etc/setup/headers",
         "etc/setup/python",
         "etc/setup/solver",
+        "etc/container/install",
+        "etc/container/run",
     ):
         assert os.access(ROOT / name, os.X_OK), name
     for file in [*(ROOT / "etc").rglob("*"), *ROOT.glob("All*"), *(ROOT / "solver").glob("All*")]:
-        if file.is_file():
+        if file.is_file() and file.name not in ("Dockerfile", "elutria.def"):
             subprocess.run(["bash", "-n", str(file)], check=True)
+
+
+def test_the_two_container_recipes_are_one() -> None:
+    """The same image, the clone in the same place, the same set-up, the same way in."""
+    docker, apptainer = (
+        (ROOT / "etc/container" / name).read_text() for name in ("Dockerfile", "elutria.def")
+    )
+    for pattern in (r"^FROM:? (\S+)$", r" \. (/\S+)$", r"(/\S+/install)\b", r"(/\S+/run)\b"):
+        said = re.findall(pattern, docker, re.M | re.I)
+        assert len(said) == 1, pattern
+        assert re.findall(pattern, apptainer, re.M | re.I) == said
+    install = ROOT / "etc/container/install"
+    run = subprocess.run([str(install)], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout) == (2, "")
 
 
 def test_python_code_is_clean() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 import shutil
 import subprocess
@@ -141,3 +142,30 @@ def test_apt_understands_what_is_derived(apt_folder: Path) -> None:
         "http://mirror.example/second-debian",
         "http://mirror.example/second-safe",
     }
+
+
+@pytest.mark.skipif(shutil.which("apt-get") is None, reason="no apt on this machine")
+@pytest.mark.parametrize(("changed", "got"), [(False, True), (True, False)])
+def test_a_tarball_is_fetched_without_its_dsc(tmp_path: Path, changed: bool, got: bool) -> None:
+    """From an archive on disk; a tarball other than the index says is refused."""
+    archive = tmp_path / "archive"
+    archive.mkdir()
+    tarball = b"the source"
+    sums = {"part_1.orig.tar.xz": hashlib.sha256(tarball).hexdigest(), "part_1-2.dsc": "0" * 64}
+    (archive / "part_1.orig.tar.xz").write_bytes(tarball[::-1] if changed else tarball)
+    listed = "".join(f"\n {digest} 10 {name}" for name, digest in sums.items())
+    (archive / "Sources").write_text(
+        f"Package: part\nBinary: part\nVersion: 1-2\nDirectory: .\nChecksums-Sha256:{listed}\n"
+    )
+    (tmp_path / "elutria.sources").write_text(
+        f"Types: deb-src\nURIs: file:{archive}\nSuites: ./\nTrusted: yes\n"
+    )
+    script = 'source "$1/etc/setup/sources"; fetchSource "$2" part 1-2'
+    run = subprocess.run(
+        ["bash", "-c", script, "bash", str(ROOT), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (run.returncode == 0) == got, run.stdout + run.stderr
+    assert (tmp_path / "source.tar").exists() == got

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.foam_tree import foam_tree
+
 ROOT = Path(__file__).resolve().parents[1]
 
 FAKE_BUILD = """#!/bin/bash
@@ -99,11 +101,7 @@ def test_another_openfoam_starts_from_scratch(
     clone: Path, build: Callable[[], tuple[int, list[str]]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     build()
-    foam = clone / "foam"
-    for part in ("wmake", "etc"):
-        (foam / part).mkdir(parents=True)
-    (foam / "etc/bashrc").touch()
-    monkeypatch.setenv("WM_PROJECT_DIR", str(foam))
+    monkeypatch.setenv("WM_PROJECT_DIR", str(foam_tree(clone / "foam")))
     assert build() == (0, ["clean", "build"])
 
 
@@ -128,3 +126,90 @@ def test_headers_in_the_cache_are_taken_as_they_are(tmp_path: Path) -> None:
     )
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout == "elutria: OpenFOAM headers: all there\n"
+
+
+@pytest.fixture
+def one_source(tmp_path: Path) -> Callable[[str], subprocess.CompletedProcess[str]]:
+    """Compiles a text as the coupling's only source, against the headers of a release."""
+    root = tmp_path / "a clone"
+    foam = foam_tree(tmp_path / "foam")
+    for header in (
+        "OpenFOAM/lnInclude/Time.H",
+        "finiteVolume/lnInclude/fvCFD.H",
+        "lagrangian/intermediate/lnInclude/KinematicCloud.H",
+    ):
+        (foam / "src" / header).parent.mkdir(parents=True)
+        (foam / "src" / header).touch()
+    old = "struct Old { virtual ~Old() = default; virtual void hook() {} };\n"
+    (foam / "src/OpenFOAM/lnInclude/Old.H").write_text(old)
+    shutil.copytree(ROOT / "etc", root / "etc")
+    for part in ("coupling", "app/elutriaFoam"):
+        (root / "solver" / part / "Make").mkdir(parents=True)
+        (root / "solver" / part / "Make/files").write_text("part.C\n\nLIB = $(HERE)/lib\n")
+        (root / "solver" / part / "Make/options").touch()
+        (root / "solver" / part / "part.C").touch()
+    shutil.copy(ROOT / "solver/Allwmake", root / "solver")
+
+    def run(text: str) -> subprocess.CompletedProcess[str]:
+        (root / "solver/coupling/part.C").write_text(text)
+        return subprocess.run(
+            [str(root / "solver/Allwmake"), "--headers", str(foam)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    return run
+
+
+def test_sources_are_compiled_against_the_headers_of_a_release(
+    one_source: Callable[[str], subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    run = one_source('#include "Old.H"\nstatic_assert(OPENFOAM == 2412);\n')
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "compile with OpenFOAM v2412" in run.stdout
+    assert sorted(f.name for f in tmp_path.rglob("part*")) == ["part.C", "part.C"]
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("int answer = none;\n", "not declared"),
+        (
+            '#include "Old.H"\nstruct New : Old { virtual void hook(); };\n',
+            "can be marked override",
+        ),
+    ],
+)
+def test_a_source_that_a_release_does_not_take_is_told(
+    one_source: Callable[[str], subprocess.CompletedProcess[str]], text: str, complaint: str
+) -> None:
+    run = one_source(text)
+    assert run.returncode == 1
+    assert complaint in run.stderr
+    assert "Allwmake: failed: coupling does not compile with OpenFOAM v2412" in run.stderr
+
+
+def test_a_folder_that_is_no_release_is_refused(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [str(ROOT / "solver/Allwmake"), "--headers", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 1
+    assert f"'{tmp_path}' is not the source of an OpenFOAM release" in run.stderr
+
+
+def test_only_a_list_that_names_a_header_that_has_gone_is_made_anew(tmp_path: Path) -> None:
+    """A list of v2012 and later ends with the comment #END."""
+    (tmp_path / "there.H").touch()
+    for name, header in {"whole": "there.H", "old": "gone.H"}.items():
+        text = f"$(OBJECTS_DIR)/part.o: \\\n{header} \\\n$(LIB_SRC)/far.H\n\n#END\n"
+        (tmp_path / f"{name}.dep").write_text(text)
+    script = """
+        eval "$(sed -n '/^forgetGoneHeaders()/,/^}/p' "$1/solver/Allwmake")"
+        forgetGoneHeaders
+    """
+    subprocess.run(["bash", "-ec", script, "bash", str(ROOT)], cwd=tmp_path, check=True)
+    assert [file.name for file in tmp_path.glob("*.dep")] == ["whole.dep"]

@@ -20,7 +20,7 @@ from elutria_validation.book.book import Chapter, Row, write_chapter
 from elutria_validation.chapters import bed, contacts, dispersion, drag, wake
 from elutria_validation.chapters.contacts import collide, linear
 from elutria_validation.harness.common import Options, project_root
-from elutria_validation.harness.scene import Particles
+from elutria_validation.harness.scene import Particles, write_particles
 
 
 def judged(name: str, ours: float) -> Any:
@@ -170,3 +170,15 @@ def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
     chapter = module.run(Options(tmp_path / name, quick=True, say=print))
     assert [row for row in chapter.rows if row.allowed is not None]
     assert [row.failure for row in chapter.failed] == []
+
+
+def test_a_scene_has_every_field_that_openfoam_must_read(tmp_path: Path) -> None:
+    """Those of CollidingParcel and KinematicParcel in v1912 to v2512 (their readFields)."""
+    write_particles(tmp_path, Particles.of((0.5, 0.5, 0.5)))
+    kinematic = "active typeId nParticle d dTarget U rho age tTurb UTurb UCorrect"
+    pair = "PairAccessed PairOrigProcOfOther PairOrigIdOfOther PairData"
+    wall = "WallAccessed WallPRel WallData"
+    records = [f"collisionRecords{name}" for name in f"{pair} {wall}".split()]
+    wanted = {*kinematic.split(), "f", "angularMomentum", "torque", *records}
+    there = {file.name for file in (tmp_path / "0/lagrangian/kinematicCloud").iterdir()}
+    assert wanted - there == set()

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from elutria_validation.chapters.goldschmidt import TUTORIAL, copy_tutorial
+from elutria_validation.chapters.goldschmidt import TUTORIAL, copy_tutorial, tutorials
 from elutria_validation.harness.common import run_program
 from elutria_validation.harness.scene import CONTROL, MODELS, change, run_scene
 
 
-@pytest.mark.skipif(not TUTORIAL.is_dir(), reason="Debian's openfoam-examples are not installed")
+@pytest.mark.skipif(not TUTORIAL.is_dir(), reason="OpenFOAM's tutorials are not installed")
 @pytest.mark.parametrize("solver", ["elutriaFoam", "DPMFoam"])
 def test_three_steps_of_the_tutorial(tmp_path: Path, solver: str) -> None:
     case = copy_tutorial(tmp_path / "case")
@@ -25,3 +25,12 @@ def test_three_steps_of_the_tutorial(tmp_path: Path, solver: str) -> None:
     log = run_scene(case, solver=solver)
     assert log.count("\nTime = ") == 3
     assert ("inside 24750" in log) or ("Current number of parcels       = 24750" in log)
+
+
+def test_the_tutorials_are_those_of_the_sourced_openfoam(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("FOAM_TUTORIALS", str(tmp_path))
+    assert tutorials() == tmp_path
+    monkeypatch.delenv("FOAM_TUTORIALS")
+    assert "openfoam-examples" in tutorials().parts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import os
 import shutil
 from dataclasses import dataclass
 from math import pi
@@ -33,7 +34,13 @@ HELP = "Goldschmidt's bed, OpenFOAM's tutorial: the pressure drop carries the be
 
 Array = NDArray[np.float64]
 
-TUTORIAL = Path("/usr/share/doc/openfoam-examples/examples/lagrangian/DPMFoam/Goldschmidt")
+
+def tutorials() -> Path:
+    """OpenFOAM's tutorials: those of the sourced environment, else Debian's examples."""
+    return Path(os.environ.get("FOAM_TUTORIALS") or "/usr/share/doc/openfoam-examples/examples")
+
+
+TUTORIAL = tutorials() / "lagrangian/DPMFoam/Goldschmidt"
 STEP = 2e-5  # s, the tutorial's
 GAS_DENSITY = 1.2  # kg/m3
 SECTION = 0.015 * 0.150  # m2

@@ -195,7 +195,7 @@ def write_particles(case: Path, particles: Particles, time: str = "0") -> None:
         write(name, "labelField", f"{n}{{{value}}}")
     for name, value in {"nParticle": 1, "age": 0, "tTurb": 0}.items():
         write(name, "scalarField", f"{n}{{{value}}}")
-    for name in ("f", "torque", "UTurb"):
+    for name in ("f", "torque", "UTurb", "UCorrect"):  # UCorrect: read from v2012 on
         write(name, "vectorField", f"{n}{{(0 0 0)}}")
     for name, numbers in {
         "d": particles.diameter, "dTarget": particles.diameter, "rho": particles.density
