@@ -15,14 +15,15 @@ struct Engine::Implementation
     Settings settings;
     ContactMaterials materials;
     Walls walls;
-    LawTable laws;
+    LawTable laws, wallLaws;
     SoftIntegrator soft;
     AdaptiveIntegrator adaptive;
     bool separationTold = false;       // a feed may do so in every step: once will do
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        laws(settings.law, materials), soft(settings, materials, walls),
+        laws(*settings.law, materials), wallLaws(settings.lawAtWalls(), materials),
+        soft(settings, materials, walls),
         adaptive(settings, materials, walls, soft,
                [this](const Particles& p)
                { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
@@ -218,12 +219,9 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
         for (std::uint32_t b = 0; b <= a; ++b)
         {
             if (!(moving & (bit(a) | bit(b)))) continue;
-            const laws::Coefficients& c = laws(a, b);
-            const double time = settings.law == ContactLaw::linear
-                ? laws::linearContactTime(c.stiffness, mass/2,
-                                          materials.pair(a, b).restitution)
-                : laws::hertzContactTime(c.stiffness, radius/2, mass/2, speed);
-            shortest = std::min(shortest, time);
+            for (const LawTable* table : {&laws, &wallLaws})
+                shortest = std::min(shortest, table->law().contactTime((*table)(a, b), radius/2,
+                                                                       mass/2, speed));
         }
     }
     return settings.stepFraction*shortest;
@@ -237,13 +235,22 @@ double Engine::expectedOverlap(double radius, double density, double speed) cons
     {
         for (std::uint32_t b = 0; b <= a; ++b)
         {
-            const double stiffness = self_->laws(a, b).stiffness;
-            deepest = std::max(deepest, self_->settings.law == ContactLaw::linear
-                ? laws::linearOverlap(stiffness, mass, speed)
-                : laws::hertzOverlap(stiffness, radius/2, mass, speed));
+            for (const LawTable* table : {&self_->laws, &self_->wallLaws})
+                deepest = std::max(deepest, table->law().largestOverlap((*table)(a, b), radius/2,
+                                                                        mass, speed));
         }
     }
     return deepest/radius;
+}
+
+double Engine::storedEnergy(double radius, double overlap) const
+{
+    double most = 0;
+    for (const LawTable* table : {&self_->laws, &self_->wallLaws})
+        for (std::uint32_t a = 0; a < table->size(); ++a)
+            for (std::uint32_t b = 0; b <= a; ++b)
+                most = std::max(most, table->law().storedEnergy((*table)(a, b), radius, overlap));
+    return most;
 }
 
 const Settings& Engine::settings() const { return self_->settings; }

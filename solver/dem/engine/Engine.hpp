@@ -49,6 +49,9 @@ public:
     /// without damping, for the softest pair of materials: known before time is spent.
     double expectedOverlap(double radius, double density, double speed) const;
 
+    /// Most elastic energy, J, that a contact of this effective radius can hold at an overlap, m.
+    double storedEnergy(double radius, double overlap) const;
+
     const Settings& settings() const;
     const ContactMaterials& materials() const;
     const Walls& walls() const;

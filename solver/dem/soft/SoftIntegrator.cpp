@@ -22,8 +22,8 @@ bool before(const ContactRecord& a, const ContactRecord& b)
 
 SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
                                const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(settings.law, materials), contacts_(laws_),
-    atWalls_(laws_, walls)
+  : settings_(settings), walls_(walls), laws_(*settings.law, materials),
+    wallLaws_(settings.lawAtWalls(), materials), contacts_(laws_), atWalls_(wallLaws_, walls)
 {
     cloud_.box = settings.box;
 }
@@ -46,7 +46,7 @@ std::vector<ContactRecord> SoftIntegrator::exportContacts() const
     }
     for (const LastingWall& w : atWalls_.lasting())
     {
-        records.push_back({cloud_.id(w.particle), w.feature, true, w.stretch});
+        records.push_back({cloud_.id(w.particle), w.feature, true, w.displacement});
     }
     std::sort(records.begin(), records.end(), before);
     return records;

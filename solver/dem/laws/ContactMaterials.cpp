@@ -1,4 +1,4 @@
-#include "laws/Settings.hpp"
+#include "laws/ContactMaterials.hpp"
 
 #include <algorithm>
 #include <cmath>
