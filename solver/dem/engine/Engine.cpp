@@ -194,6 +194,11 @@ void Engine::importContacts(const std::vector<ContactRecord>& records)
     else self_->adaptive.importContacts(records);
 }
 
+void Engine::setWallMotions(std::vector<WallMotion> motions)
+{
+    self_->walls.setMotions(std::move(motions));
+}
+
 double Engine::stepLimit(const Particles& particles, double speed) const
 {
     return self_->stepLimit(particles, speed);

@@ -41,6 +41,9 @@ public:
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
+    /// How the walls move from now on; as many motions as WallGeometry had.
+    void setWallMotions(std::vector<WallMotion> motions);
+
     /// Largest sub-step allowed, s: stepFraction of the contact time of the smallest, lightest
     /// pair that can meet at the given relative speed (m/s; 0: the particles' largest).
     double stepLimit(const Particles& particles, double speed = 0) const;

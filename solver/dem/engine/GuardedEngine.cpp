@@ -53,6 +53,19 @@ std::string inSeconds(double value)
     return text.str();
 }
 
+/// Most that walls of this speed can give: seen from a wall that moves along itself, a contact only
+/// takes energy, so that no speed grows by more than twice the wall's.
+double wallWork(const Particles& p, double wallSpeed)
+{
+    double sum = 0;
+    for (std::size_t i = 0; wallSpeed > 0 && i < p.size(); ++i)
+    {
+        const double speed = norm(p.velocity[i]) + p.radius[i]*norm(p.spin[i]);
+        sum += 2*p.mass[i]*wallSpeed*(speed + wallSpeed);
+    }
+    return sum;
+}
+
 /// Most that the forcing can give: drag (u - v) v is largest at v = u/2, a body force works along
 /// the fastest path.
 double forcingWork(const Particles& p, double fastest, double duration)
@@ -185,6 +198,7 @@ double GuardedEngine::energyAllowed(const Particles& before, const Particles& af
     }
     held *= 1 + 2*friction*friction;                     // with what tangential springs hold
     return margin*(kineticEnergy(before) + held
+                   + wallWork(before, engine_->walls().largestSpeed())
                    + forcingWork(before, std::max(largestSpeed(before), largestSpeed(after)),
                                  duration));
 }

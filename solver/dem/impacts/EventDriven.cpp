@@ -223,7 +223,10 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     std::uint32_t other;
     if (onWall)
     {
-        normal = ta.flight.position - walls_.nearestPoint(sa.nextWall, ta.flight.position);
+        const Vector3 point = walls_.nearestPoint(sa.nextWall, ta.flight.position);
+        normal = ta.flight.position - point;
+        if (walls_.move())
+            bodyB.velocity = walls_.surfaceVelocity(sa.nextWall, point, (1/norm(normal))*normal);
         other = walls_.material(sa.nextWall.triangle);
     }
     else

@@ -99,7 +99,8 @@ void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
             }
             if (wall.gap >= 0 && !history.touching) continue;
             const double share = (row.radius + wall.gap)/row.radius;
-            const Vector3 velocity = cloud.frame + Vector3{row.vx, row.vy, row.vz};
+            const Vector3 velocity =
+                cloud.frame + Vector3{row.vx, row.vy, row.vz} - wall.velocity;
             Encounter e;
             e.normal = wall.normal;
             e.overlap = -wall.gap;
