@@ -1,10 +1,11 @@
 #include "engine/GuardedEngine.hpp"
 
+#include "core/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 namespace elutria::dem
@@ -46,13 +47,6 @@ double largestSpeed(const Particles& p)
     return std::sqrt(square);
 }
 
-std::string inSeconds(double value)
-{
-    std::ostringstream text;
-    text << value << " s";
-    return text.str();
-}
-
 /// Most that walls of this speed can give: seen from a wall that moves along itself, a contact only
 /// takes energy, so that no speed grows by more than twice the wall's.
 double wallWork(const Particles& p, double wallSpeed)
@@ -74,7 +68,8 @@ double forcingWork(const Particles& p, double fastest, double duration)
     for (std::size_t i = 0; i < p.size(); ++i)
     {
         if (!p.dragRate.empty())
-            sum += 0.25*p.mass[i]*p.dragRate[i]*duration*squaredNorm(p.gasVelocity[i]);
+            sum += 0.25*p.mass[i]*p.dragRate[i]*duration
+                   *squaredNorm(p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[i]);
         if (!p.acceleration.empty())
             sum += p.mass[i]*norm(p.acceleration[i])*duration*fastest;
     }
@@ -97,9 +92,9 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
         const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
         if (settings.step > most)
         {
-            warnings.push_back("contact step " + inSeconds(settings.step) + " is above "
-                + std::to_string(largestFraction_) + " of the shortest contact; it is now "
-                + inSeconds(most));
+            warnings.push_back("The contact step of " + text(settings.step) + " s is above "
+                + text(largestFraction_) + " of the shortest contact and is now " + text(most)
+                + " s. Set `step` to at most that, or leave it out.");
             refine(most/settings.step, history);
         }
     }
@@ -126,8 +121,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             && kineticEnergy(particles) > 0.5*firstEnergy)
         {
             // Smaller steps give the same: overlaps that the call was given
-            warnings.push_back(trouble + ", however small the sub-step: likely particles that were "
-                               "put into each other or into a wall");
+            warnings.push_back(trouble + ", at any sub-step. Likely cause: particles are inserted "
+                               "into each other or into a wall.");
             reset(settings);
             trouble.clear();
         }
@@ -138,9 +133,10 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             contacts_ = report.touching + report.wallTouching;
             report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
             if (attempt > 0 && attempt < retakes)
-                report.warnings.push_back("a step of the contacts was not sound and was taken "
-                    "again with sub-steps of 1/" + std::to_string(1 << attempt)
-                    + ", kept from here on");
+                report.warnings.push_back("A step of the contacts was rejected and repeated with "
+                    "sub-steps of 1/" + std::to_string(1 << attempt)
+                    + "; these stay. Set `stepFraction` to "
+                    + text(engine_->settings().stepFraction) + " or less from the start.");
             return report;
         }
         particles = before;
@@ -148,8 +144,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
         {
             engine_->importContacts(history);
             throw std::runtime_error(trouble + ", also after " + std::to_string(retakes)
-                + " retakes with smaller sub-steps; likely causes: particles that were put into "
-                  "each other or into a wall, a contact step too large, or a gas that diverges");
+                + " retakes with smaller sub-steps; likely causes: particles inserted into each "
+                  "other or into a wall, a contact step too large, or a gas that diverges");
         }
         refine(0.5, history);
     }
@@ -220,10 +216,10 @@ std::string GuardedEngine::unsound(const Particles& before, const Particles& aft
     for (std::size_t i = 0; i < after.size(); ++i)
         if (squaredNorm(after.velocity[i]) > squaredNorm(after.velocity[fastest])) fastest = i;
     const Vector3 place = before.position[fastest];
-    return "contacts made energy: " + std::to_string(energy) + " J where at most "
-           + std::to_string(allowed) + " J can be; fastest is particle "
-           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + std::to_string(place.x)
-           + " " + std::to_string(place.y) + " " + std::to_string(place.z) + ")";
+    return "contacts made energy: " + text(energy) + " J where at most " + text(allowed)
+           + " J can be; the fastest is particle "
+           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + text(place.x) + " "
+           + text(place.y) + " " + text(place.z) + ") m";
 }
 
 } // namespace elutria::dem

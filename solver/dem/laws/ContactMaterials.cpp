@@ -1,24 +1,13 @@
 #include "laws/ContactMaterials.hpp"
 
+#include "core/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace elutria::dem
 {
-
-namespace
-{
-
-void require(bool allowed, const std::string& what, double value, const std::string& range)
-{
-    if (!allowed)
-    {
-        throw std::invalid_argument(what + " is " + std::to_string(value) + "; allowed: " + range);
-    }
-}
-
-} // namespace
 
 std::uint32_t ContactMaterials::add(const ContactMaterial& material)
 {

@@ -1,6 +1,7 @@
 #include "soft/SoftIntegrator.hpp"
 
 #include "core/forEach.hpp"
+#include "core/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -202,7 +203,7 @@ void SoftIntegrator::move(StepWeights weights, bool received)
     if (!std::isfinite(squaredNorm(sum)))
     {
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
-                                 + std::to_string(step_) + " s)");
+                                 + text(step_) + " s)");
     }
     sinceList_ += step_, sinceNear_ += step_;
     cloud_.frame = mean_;                  // the rows' from now on
