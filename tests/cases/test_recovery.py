@@ -35,7 +35,7 @@ QUARTZ = {"density": 2650, "massFraction": 1, "sizeDistribution": SIZE}
 def test_a_contact_step_far_too_large_is_lowered(tmp_path: Path) -> None:
     settings = contacts(restitution=1, friction=0, treatment="soft", step=1e-4)
     start, after, output = colliding(tmp_path / "case", settings, number=125, end=0.02, step=2e-4)
-    assert "contact step 0.0001 s is above 0.2" in output
+    assert "contact step of 0.0001 s is above 0.2" in output
     assert kinetic_energy(after) == pytest.approx(kinetic_energy(start), rel=0.1)
 
 

@@ -9,6 +9,7 @@
 #include "contacts/SymmetryWalls.H"
 #include "foam/foamVersion.H"
 #include "foam/engineVectors.H"
+#include "laws/LawList.hpp"
 #include "cyclicPolyPatch.H"
 #include "processorCyclicPolyPatch.H"
 #include "Enum.H"
@@ -24,17 +25,42 @@ namespace
 {
 
 using elutria::dem::ContactLaw;
+using elutria::dem::ContactLaws;
 using elutria::dem::ContactMaterial;
 using elutria::dem::ContactTreatment;
 using elutria::dem::NeighbourSearch;
 using elutria::dem::PairProperties;
 
-const Enum<ContactLaw> laws
-({
-    {ContactLaw::hertz, "hertzMindlin"},
-    {ContactLaw::linear, "linearSpringDashpot"},
-    {ContactLaw::springSliderDashpot, "springSliderDashpot"},
-});
+//- The law that an entry names
+const ContactLaw& readLaw(const dictionary& dict)
+{
+    const word name(dict.get<word>("contactLaw"));
+    const size_t place = ContactLaws::find(name);
+    if (place == ContactLaws::size)
+    {
+        wordList allowed;
+        for (const ContactLaw* law : ContactLaws::laws)
+        {
+            if (word::valid(law->name))
+            {
+                allowed.append(law->name);
+            }
+        }
+        FatalIOErrorInFunction(dict)
+            << "contactLaw is " << name << ", allowed: " << allowed
+            << exit(FatalIOError);
+    }
+    return *ContactLaws::laws[place];
+}
+
+
+//- The law of a kind of contacts, where its own dictionary names one
+const ContactLaw& readLaw(const dictionary& dict, const word& contacts)
+{
+    const dictionary& own = dict.subOrEmptyDict(contacts);
+    return readLaw(own.found("contactLaw") ? own : dict);
+}
+
 
 const Enum<ContactTreatment> treatments
 ({
@@ -63,14 +89,14 @@ ContactMaterial readMaterial(const word& name, const dictionary& dict)
 }
 
 
-PairProperties readPair(const dictionary& dict, const ContactLaw law)
+PairProperties readPair(const dictionary& dict, const ContactLaw& law)
 {
     PairProperties pair;
     dict.readEntry("restitution", pair.restitution);
     dict.readEntry("friction", pair.friction);
     dict.readIfPresent("rollingFriction", pair.rollingFriction);
     dict.readIfPresent("cohesion", pair.cohesion);
-    if (law == ContactLaw::linear)
+    if (law.givenStiffness)
     {
         dict.readEntry("normalStiffness", pair.normalStiffness);
         dict.readIfPresent("tangentialRatio", pair.tangentialRatio);
@@ -113,7 +139,8 @@ void ContactSettings::readOwn
     const wordList& wallNames
 )
 {
-    settings.law = laws.get("contactLaw", dict);
+    settings.law = &readLaw(dict, "particleParticle");
+    settings.wallLaw = &readLaw(dict, "particleWall");
     settings.treatment =
         treatments.getOrDefault("treatment", dict, settings.treatment);
     settings.search = searches.getOrDefault("search", dict, settings.search);
@@ -158,7 +185,16 @@ void ContactSettings::readOwn
               : pairs.found(reverse) ? pairs.subDict(reverse)
               : dict.subDict(usual);
 
-            materials.setPair(a, b, readPair(source, settings.law));
+            materials.setPair
+            (
+                a,
+                b,
+                readPair
+                (
+                    source,
+                    b < nParticle ? *settings.law : settings.lawAtWalls()
+                )
+            );
         }
     }
 }
@@ -172,7 +208,7 @@ void ContactSettings::readStock
     const wordList& wallNames
 )
 {
-    settings.law = ContactLaw::springSliderDashpot;
+    settings.law = &elutria::dem::contactLaw<elutria::dem::SpringSliderDashpot>;
 
     const word pairModel(coeffs.get<word>("pairModel"));
     const dictionary& pairDict = coeffs.subDict(pairModel + "Coeffs");

@@ -3,6 +3,7 @@
 //   law=hertz|linear young=1e7 poisson=0.35 restitution=0.9 friction=0.1 threads=1
 
 #include "bench.hpp"
+#include "laws/LawList.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +94,7 @@ int runBox(const Options& o)
     const double height = o.number("height", 0.25), diameter = o.number("diameter", 0.0025);
     const double step = o.number("step", 1e-5);
     Settings settings;
-    settings.law = o.text("law", "hertz") == "linear" ? ContactLaw::linear : ContactLaw::hertz;
+    settings.law = o.text("law", "hertz") == "linear" ? &contactLaw<LinearSpringDashpot> : &contactLaw<HertzMindlin>;
     settings.treatment = ContactTreatment::soft;
     settings.search = searchNamed(o.text("search", "automatic"));
     settings.threads = unsigned(o.number("threads", 1));

@@ -4,6 +4,7 @@
 // Diameters: Rosin-Rammler by mass, d63 0.6 of the largest, n 2, truncated.
 
 #include "bench.hpp"
+#include "laws/LawList.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -111,7 +112,7 @@ Particles feed(const Options& options)
 int runColumn(const Options& options)
 {
     Settings settings;
-    settings.law = ContactLaw::hertz;
+    settings.law = &contactLaw<HertzMindlin>;
     const std::string treatment = options.text("treatment", "auto");
     if (treatment != "auto" && treatment != "soft" && treatment != "impact")
         throw std::invalid_argument("treatment is '" + treatment + "'; allowed: auto soft impact");

@@ -1,5 +1,6 @@
 #include "engine/Engine.hpp"
 
+#include "core/text.hpp"
 #include "islands/AdaptiveIntegrator.hpp"
 #include "soft/SoftIntegrator.hpp"
 
@@ -15,14 +16,15 @@ struct Engine::Implementation
     Settings settings;
     ContactMaterials materials;
     Walls walls;
-    LawTable laws;
+    LawTable laws, wallLaws;
     SoftIntegrator soft;
     AdaptiveIntegrator adaptive;
     bool separationTold = false;       // a feed may do so in every step: once will do
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        laws(settings.law, materials), soft(settings, materials, walls),
+        laws(*settings.law, materials), wallLaws(settings.lawAtWalls(), materials),
+        soft(settings, materials, walls),
         adaptive(settings, materials, walls, soft,
                [this](const Particles& p)
                { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
@@ -39,15 +41,6 @@ constexpr double mostSizeRatio = 1 << 20;
 
 void check(const Settings& s)
 {
-    const auto require = [](bool allowed, const std::string& what, double value,
-                            const std::string& range)
-    {
-        if (!allowed)
-        {
-            throw std::invalid_argument(what + " is " + std::to_string(value) + "; allowed: "
-                                        + range);
-        }
-    };
     require(s.cellLayers >= 1 && s.cellLayers <= 8, "cellLayers", s.cellLayers, "1 to 8");
     require(s.threads >= 1 && s.threads <= 1024, "threads", s.threads, "1 to 1024");
     require(s.stepFraction > 0 && s.stepFraction <= 2, "stepFraction", s.stepFraction,
@@ -56,75 +49,86 @@ void check(const Settings& s)
     require(s.skin >= 0 && std::isfinite(s.skin), "skin", s.skin, "0 m (automatic) or more");
 }
 
+/// Every column is as long as `id`, or empty if the engine can do without it.
+void checkLengths(const Particles& p)
+{
+    struct Column
+    {
+        const char* name;
+        std::size_t size;
+        bool optional;
+    };
+    for (const Column& c : {Column{"material", p.material.size(), false},
+                            Column{"radius", p.radius.size(), false},
+                            Column{"mass", p.mass.size(), false},
+                            Column{"position", p.position.size(), false},
+                            Column{"velocity", p.velocity.size(), false},
+                            Column{"spin", p.spin.size(), false},
+                            Column{"number", p.number.size(), true},
+                            Column{"solidFraction", p.solidFraction.size(), true},
+                            Column{"dragRate", p.dragRate.size(), true},
+                            Column{"gasVelocity", p.gasVelocity.size(), true},
+                            Column{"acceleration", p.acceleration.size(), true}})
+    {
+        if (c.size == p.size() || (c.optional && c.size == 0)) continue;
+        throw std::invalid_argument(std::string("particle array ") + c.name + " has "
+            + std::to_string(c.size) + " entries; allowed: " + std::to_string(p.size())
+            + (c.optional ? " or 0" : ""));
+    }
+}
+
 void check(const Particles& p, std::size_t materials)
 {
-    const std::size_t n = p.size();
-    const auto length = [n](std::size_t size, const char* name, bool optional = false)
-    {
-        if (size != n && !(optional && size == 0))
-        {
-            throw std::invalid_argument(std::string("particle array ") + name + " has "
-                + std::to_string(size) + " entries; expected " + std::to_string(n));
-        }
-    };
-    length(p.material.size(), "material");
-    length(p.radius.size(), "radius");
-    length(p.mass.size(), "mass");
-    length(p.position.size(), "position");
-    length(p.velocity.size(), "velocity");
-    length(p.spin.size(), "spin");
-    length(p.dragRate.size(), "dragRate", true);
-    length(p.gasVelocity.size(), "gasVelocity", true);
-    length(p.acceleration.size(), "acceleration", true);
+    checkLengths(p);
     const auto finite = [](const Vector3& v)
     {
         return std::isfinite(v.x + v.y + v.z);
     };
     double smallest = 1e300, largest = 0;
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < p.size(); ++i)
     {
         smallest = std::min(smallest, p.radius[i]), largest = std::max(largest, p.radius[i]);
         const auto of = [&](const char* what)
         {
             return std::string(what) + " of particle " + std::to_string(p.id[i]);
         };
+        const auto refuse = [&](const char* what, double value, const std::string& range)
+        {
+            require(false, of(what), value, range);
+        };
         if (!(p.radius[i] > 0 && std::isfinite(p.radius[i])))
-            throw std::invalid_argument(of("radius") + " is " + std::to_string(p.radius[i])
-                                        + "; allowed: above 0 m");
+            refuse("radius", p.radius[i], "above 0 m");
         if (!(p.mass[i] > 0 && std::isfinite(p.mass[i])))
-            throw std::invalid_argument(of("mass") + " is " + std::to_string(p.mass[i])
-                                        + "; allowed: above 0 kg");
+            refuse("mass", p.mass[i], "above 0 kg");
         if (p.material[i] >= materials)
-            throw std::invalid_argument(of("material") + " is " + std::to_string(p.material[i])
-                                        + "; allowed: 0 to " + std::to_string(materials - 1));
+            refuse("material", p.material[i], "0 to " + std::to_string(materials - 1));
         if (!finite(p.position[i]) || !finite(p.velocity[i]) || !finite(p.spin[i]))
             throw std::invalid_argument(of("position, velocity or spin") + " is not finite");
         if (!p.dragRate.empty() && !(p.dragRate[i] >= 0 && std::isfinite(p.dragRate[i])))
-            throw std::invalid_argument(of("dragRate") + " is " + std::to_string(p.dragRate[i])
-                                        + "; allowed: 0 1/s or more");
+            refuse("dragRate", p.dragRate[i], "0 1/s or more");
+        if (!p.number.empty() && !(p.number[i] > 0 && std::isfinite(p.number[i])))
+            refuse("number", p.number[i], "above 0");
     }
-    if (largest > mostSizeRatio*smallest)
-    {
-        throw std::invalid_argument("radius ratio of largest and smallest particle is "
-            + std::to_string(largest/smallest) + "; allowed: up to "
-            + std::to_string(std::size_t(mostSizeRatio)) + ", what the levels of cells span");
-    }
+    require(largest <= mostSizeRatio*smallest,
+            "radius ratio of largest and smallest particle", largest/smallest,
+            "up to " + text(mostSizeRatio) + ", what the levels of cells span");
 }
 
 void warn(const Settings& settings, StepReport& report, bool& separationTold)
 {
     if (report.largestOverlap > settings.largestOverlap)
     {
-        report.warnings.push_back("overlap of " + std::to_string(100*report.largestOverlap)
-            + " % of the radius is above " + std::to_string(100*settings.largestOverlap)
-            + " %: the contacts are too soft for these speeds, or particles started in each other");
+        report.warnings.push_back("The largest overlap is " + text(100*report.largestOverlap)
+            + " % of a particle's radius (recommended: at most "
+            + text(100*settings.largestOverlap) + " %). Contacts are too soft for these speeds: raise "
+            "youngsModulus or normalStiffness; or particles were inserted into each other.");
     }
     if (report.separated > 0 && !separationTold)
     {
         separationTold = true;
-        report.warnings.push_back(std::to_string(report.separated) + " overlaps at the start of the "
-            "step were nobody's contact, and were moved apart: particles are put into each other "
-            "or into a wall");
+        report.warnings.push_back("Overlaps of particles with each other or with a wall, without an "
+            "existing contact, were separated: " + std::to_string(report.separated)
+            + ". Likely cause: the feed inserts particles into each other or into a wall.");
     }
 }
 
@@ -136,11 +140,8 @@ Engine::Engine(Settings settings, ContactMaterials materials, Walls walls)
     materials.check();
     for (std::uint32_t m : walls.geometry().material)
     {
-        if (m >= materials.size())
-        {
-            throw std::invalid_argument("wall material is " + std::to_string(m)
-                                        + "; allowed: 0 to " + std::to_string(materials.size() - 1));
-        }
+        require(m < materials.size(), "wall material", m,
+                "0 to " + std::to_string(materials.size() - 1));
     }
     self_ = std::make_unique<Implementation>(std::move(settings), std::move(materials),
                                              std::move(walls));
@@ -152,11 +153,7 @@ Engine& Engine::operator=(Engine&&) noexcept = default;
 
 StepReport Engine::advance(Particles& particles, double duration)
 {
-    if (!(duration > 0 && std::isfinite(duration)))
-    {
-        throw std::invalid_argument("duration is " + std::to_string(duration)
-                                    + "; allowed: above 0 s");
-    }
+    require(duration > 0 && std::isfinite(duration), "duration", duration, "above 0 s");
     check(particles, self_->materials.size());
     StepReport report;
     if (self_->softOnly())
@@ -193,6 +190,11 @@ void Engine::importContacts(const std::vector<ContactRecord>& records)
     else self_->adaptive.importContacts(records);
 }
 
+void Engine::setWallMotions(std::vector<WallMotion> motions)
+{
+    self_->walls.setMotions(std::move(motions));
+}
+
 double Engine::stepLimit(const Particles& particles, double speed) const
 {
     return self_->stepLimit(particles, speed);
@@ -218,12 +220,9 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
         for (std::uint32_t b = 0; b <= a; ++b)
         {
             if (!(moving & (bit(a) | bit(b)))) continue;
-            const laws::Coefficients& c = laws(a, b);
-            const double time = settings.law == ContactLaw::linear
-                ? laws::linearContactTime(c.stiffness, mass/2,
-                                          materials.pair(a, b).restitution)
-                : laws::hertzContactTime(c.stiffness, radius/2, mass/2, speed);
-            shortest = std::min(shortest, time);
+            for (const LawTable* table : {&laws, &wallLaws})
+                shortest = std::min(shortest, table->law().contactTime((*table)(a, b), radius/2,
+                                                                       mass/2, speed));
         }
     }
     return settings.stepFraction*shortest;
@@ -237,13 +236,22 @@ double Engine::expectedOverlap(double radius, double density, double speed) cons
     {
         for (std::uint32_t b = 0; b <= a; ++b)
         {
-            const double stiffness = self_->laws(a, b).stiffness;
-            deepest = std::max(deepest, self_->settings.law == ContactLaw::linear
-                ? laws::linearOverlap(stiffness, mass, speed)
-                : laws::hertzOverlap(stiffness, radius/2, mass, speed));
+            for (const LawTable* table : {&self_->laws, &self_->wallLaws})
+                deepest = std::max(deepest, table->law().largestOverlap((*table)(a, b), radius/2,
+                                                                        mass, speed));
         }
     }
     return deepest/radius;
+}
+
+double Engine::storedEnergy(double radius, double overlap) const
+{
+    double most = 0;
+    for (const LawTable* table : {&self_->laws, &self_->wallLaws})
+        for (std::uint32_t a = 0; a < table->size(); ++a)
+            for (std::uint32_t b = 0; b <= a; ++b)
+                most = std::max(most, table->law().storedEnergy((*table)(a, b), radius, overlap));
+    return most;
 }
 
 const Settings& Engine::settings() const { return self_->settings; }

@@ -41,6 +41,9 @@ public:
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
+    /// How the walls move from now on; as many motions as WallGeometry had.
+    void setWallMotions(std::vector<WallMotion> motions);
+
     /// Largest sub-step allowed, s: stepFraction of the contact time of the smallest, lightest
     /// pair that can meet at the given relative speed (m/s; 0: the particles' largest).
     double stepLimit(const Particles& particles, double speed = 0) const;
@@ -48,6 +51,9 @@ public:
     /// Largest overlap over radius of two equal spheres that meet head-on at a relative speed, m/s,
     /// without damping, for the softest pair of materials: known before time is spent.
     double expectedOverlap(double radius, double density, double speed) const;
+
+    /// Most elastic energy, J, that a contact of this effective radius can hold at an overlap, m.
+    double storedEnergy(double radius, double overlap) const;
 
     const Settings& settings() const;
     const ContactMaterials& materials() const;

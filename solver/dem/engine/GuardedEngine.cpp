@@ -1,10 +1,11 @@
 #include "engine/GuardedEngine.hpp"
 
+#include "core/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 namespace elutria::dem
@@ -46,11 +47,17 @@ double largestSpeed(const Particles& p)
     return std::sqrt(square);
 }
 
-std::string inSeconds(double value)
+/// Most that walls of this speed can give: seen from a wall that moves along itself, a contact only
+/// takes energy, so that no speed grows by more than twice the wall's.
+double wallWork(const Particles& p, double wallSpeed)
 {
-    std::ostringstream text;
-    text << value << " s";
-    return text.str();
+    double sum = 0;
+    for (std::size_t i = 0; wallSpeed > 0 && i < p.size(); ++i)
+    {
+        const double speed = norm(p.velocity[i]) + p.radius[i]*norm(p.spin[i]);
+        sum += 2*p.mass[i]*wallSpeed*(speed + wallSpeed);
+    }
+    return sum;
 }
 
 /// Most that the forcing can give: drag (u - v) v is largest at v = u/2, a body force works along
@@ -61,7 +68,8 @@ double forcingWork(const Particles& p, double fastest, double duration)
     for (std::size_t i = 0; i < p.size(); ++i)
     {
         if (!p.dragRate.empty())
-            sum += 0.25*p.mass[i]*p.dragRate[i]*duration*squaredNorm(p.gasVelocity[i]);
+            sum += 0.25*p.mass[i]*p.dragRate[i]*duration
+                   *squaredNorm(p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[i]);
         if (!p.acceleration.empty())
             sum += p.mass[i]*norm(p.acceleration[i])*duration*fastest;
     }
@@ -84,9 +92,9 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
         const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
         if (settings.step > most)
         {
-            warnings.push_back("contact step " + inSeconds(settings.step) + " is above "
-                + std::to_string(largestFraction_) + " of the shortest contact; it is now "
-                + inSeconds(most));
+            warnings.push_back("The contact step of " + text(settings.step) + " s is above "
+                + text(largestFraction_) + " of the shortest contact and is now " + text(most)
+                + " s. Set `step` to at most that, or leave it out.");
             refine(most/settings.step, history);
         }
     }
@@ -113,8 +121,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             && kineticEnergy(particles) > 0.5*firstEnergy)
         {
             // Smaller steps give the same: overlaps that the call was given
-            warnings.push_back(trouble + ", however small the sub-step: likely particles that were "
-                               "put into each other or into a wall");
+            warnings.push_back(trouble + ", at any sub-step. Likely cause: particles are inserted "
+                               "into each other or into a wall.");
             reset(settings);
             trouble.clear();
         }
@@ -125,9 +133,10 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             contacts_ = report.touching + report.wallTouching;
             report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
             if (attempt > 0 && attempt < retakes)
-                report.warnings.push_back("a step of the contacts was not sound and was taken "
-                    "again with sub-steps of 1/" + std::to_string(1 << attempt)
-                    + ", kept from here on");
+                report.warnings.push_back("A step of the contacts was rejected and repeated with "
+                    "sub-steps of 1/" + std::to_string(1 << attempt)
+                    + "; these stay. Set `stepFraction` to "
+                    + text(engine_->settings().stepFraction) + " or less from the start.");
             return report;
         }
         particles = before;
@@ -135,8 +144,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
         {
             engine_->importContacts(history);
             throw std::runtime_error(trouble + ", also after " + std::to_string(retakes)
-                + " retakes with smaller sub-steps; likely causes: particles that were put into "
-                  "each other or into a wall, a contact step too large, or a gas that diverges");
+                + " retakes with smaller sub-steps; likely causes: particles inserted into each "
+                  "other or into a wall, a contact step too large, or a gas that diverges");
         }
         refine(0.5, history);
     }
@@ -164,36 +173,28 @@ void GuardedEngine::refine(double factor, const std::vector<ContactRecord>& hist
 double GuardedEngine::energyAllowed(const Particles& before, const Particles& after,
                                     double duration) const
 {
-    const ContactLaw law = engine_->settings().law;
-    if (!overlapKnown_ || law == ContactLaw::springSliderDashpot)
-        return std::numeric_limits<double>::infinity();
+    if (!overlapKnown_) return std::numeric_limits<double>::infinity();
 
     const ContactMaterials& materials = engine_->materials();
-    double stiffness = 0, friction = 0;
+    double friction = 0;
     for (std::uint32_t a = 0; a < materials.size(); ++a)
-    {
-        const ContactMaterial& m = materials[a];
         for (std::uint32_t b = 0; b <= a; ++b)
-        {
-            const PairProperties& pair = materials.pair(a, b);
-            stiffness = std::max(stiffness, law == ContactLaw::linear ? pair.normalStiffness
-                : m.youngsModulus/(1 - m.poissonRatio*m.poissonRatio));
-            friction = std::max(friction, pair.friction);
-        }
-    }
+            friction = std::max(friction, materials.pair(a, b).friction);
     // A contact counts for the smaller of the two: its radius bounds the effective one. The most
     // that as many contacts can hold is with the largest particles.
     std::vector<double> radius = before.radius;
     std::sort(radius.begin(), radius.end(), std::greater<>());
     double held = 0;
-    for (std::size_t k = 0; k < std::min(contacts_, neighbours*radius.size()); ++k)
+    std::size_t left = std::min(contacts_, neighbours*radius.size());
+    for (std::size_t i = 0; left > 0; ++i)
     {
-        const double r = radius[k/neighbours];
-        held += law == ContactLaw::linear ? 0.5*stiffness*overlap_*overlap_*r*r
-                                          : 8.0/15*stiffness*std::pow(overlap_, 2.5)*r*r*r;
+        const std::size_t here = std::min(left, neighbours);
+        held += double(here)*engine_->storedEnergy(radius[i], overlap_*radius[i]);
+        left -= here;
     }
     held *= 1 + 2*friction*friction;                     // with what tangential springs hold
     return margin*(kineticEnergy(before) + held
+                   + wallWork(before, engine_->walls().largestSpeed())
                    + forcingWork(before, std::max(largestSpeed(before), largestSpeed(after)),
                                  duration));
 }
@@ -207,16 +208,18 @@ std::string GuardedEngine::unsound(const Particles& before, const Particles& aft
             return "the motion of particle " + std::to_string(after.id[i] & 0xffffffffu)
                    + " is not finite";
 
-    const double energy = kineticEnergy(after), allowed = energyAllowed(before, after, duration);
+    const double energy = kineticEnergy(after);
+    if (energy <= margin*kineticEnergy(before)) return "";      // mostly: no need to look closer
+    const double allowed = energyAllowed(before, after, duration);
     if (energy <= allowed) return "";
     std::size_t fastest = 0;
     for (std::size_t i = 0; i < after.size(); ++i)
         if (squaredNorm(after.velocity[i]) > squaredNorm(after.velocity[fastest])) fastest = i;
     const Vector3 place = before.position[fastest];
-    return "contacts made energy: " + std::to_string(energy) + " J where at most "
-           + std::to_string(allowed) + " J can be; fastest is particle "
-           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + std::to_string(place.x)
-           + " " + std::to_string(place.y) + " " + std::to_string(place.z) + ")";
+    return "contacts made energy: " + text(energy) + " J where at most " + text(allowed)
+           + " J can be; the fastest is particle "
+           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + text(place.x) + " "
+           + text(place.y) + " " + text(place.z) + ") m";
 }
 
 } // namespace elutria::dem

@@ -26,7 +26,7 @@ public:
     static constexpr double shallow = 1e-6;   // overlap over radii sum that counts as touching
 
     /// `forced`: no hand-over for impacts that crowd.
-    EventDriven(const ImpactTable& laws, const Walls& walls, const PeriodicBox& box, bool forced)
+    EventDriven(const ImpactLaws& laws, const Walls& walls, const PeriodicBox& box, bool forced)
         : laws_(laws), walls_(walls), box_(box), forced_(forced)
     {}
 
@@ -90,7 +90,7 @@ private:
         std::size_t impacts = 0;
     };
 
-    const ImpactTable& laws_;
+    const ImpactLaws& laws_;
     const Walls& walls_;
     const PeriodicBox& box_;
     bool forced_;

@@ -1,7 +1,7 @@
 #include "impacts/ImpactLaw.hpp"
 
+#include "laws/ContactForce.hpp"
 #include "laws/LawTable.hpp"
-#include "laws/contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +24,8 @@ struct Outcome
 
 /// One contact at unit stiffness, effective mass, radius and closing speed, sliding speed `ratio`,
 /// under a constant acceleration `press` towards each other.
-template<ContactLaw law>
-Outcome integrate(const laws::Coefficients& coefficients, double ratio, double press)
+Outcome integrate(const ContactLaw& law, const laws::Coefficients& coefficients, double ratio,
+                  double press = 0)
 {
     laws::Coefficients c = coefficients;
     c.stiffness = 1;
@@ -40,7 +40,7 @@ Outcome integrate(const laws::Coefficients& coefficients, double ratio, double p
         overlap += step*(closing - 0.5*step*push);
         const Encounter e{{0, 0, 1}, overlap, {sliding + step*tangentialMobility*drag, 0,
                                                step*push - closing}, 1, 1};
-        const ContactForce f = contactForce<law>(c, e, history, weights);
+        const ContactForce f = law.force(c, e, history, weights);
         impulse += 0.5*step*(drag + f.tangential.x);
         closing -= 0.5*step*(push + f.normal - press);
         sliding += 0.5*step*tangentialMobility*(drag + f.tangential.x);
@@ -52,23 +52,13 @@ Outcome integrate(const laws::Coefficients& coefficients, double ratio, double p
     return {0, 0, 100*laws::pi};               // never apart again: not an impact
 }
 
-Outcome integrate(ContactLaw law, const laws::Coefficients& c, double ratio, double press = 0)
-{
-    switch (law)
-    {
-        case ContactLaw::linear: return integrate<ContactLaw::linear>(c, ratio, press);
-        case ContactLaw::hertz: return integrate<ContactLaw::hertz>(c, ratio, press);
-        default: return integrate<ContactLaw::springSliderDashpot>(c, ratio, press);
-    }
-}
-
 /// Change of spin by a unit of angular impulse, 1/(kg m^2).
 double spinMobility(const ImpactBody& body)
 {
     return body.radius > 0 ? 2.5*body.inverseMass/(body.radius*body.radius) : 0;
 }
 
-/// Angular impulse of the rolling resistance (see rollingTorque in contact.hpp): `strength`, N s,
+/// Angular impulse of the rolling resistance (see rollingTorque in ContactForce.hpp): `strength`, N s,
 /// times the effective radius, at most what stops the relative spin.
 void resistRolling(ImpactBody& a, ImpactBody& b, double strength)
 {
@@ -85,24 +75,22 @@ void resistRolling(ImpactBody& a, ImpactBody& b, double strength)
 } // namespace
 
 
-ImpactLaw::ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uint32_t a,
+ImpactLaw::ImpactLaw(const LawTable& laws, const ContactMaterials& materials, std::uint32_t a,
                      std::uint32_t b)
+  : law_(&laws.law()), coefficients_(laws(a, b))
 {
-    const laws::Coefficients c = LawTable(law, materials)(a, b);
-    const bool damped = law == ContactLaw::springSliderDashpot;
+    const laws::Coefficients& c = coefficients_;
+    const ContactLaw& law = *law_;
     const Outcome central = integrate(law, c, 0);
-    hertzian_ = law != ContactLaw::linear;
-    stiffness_ = c.stiffness;
     dimensionlessTime_ = central.duration;
-    rolling_ = c.rolling;
-    restitution_ = damped ? std::clamp(central.restitution, 0.0, 1.0)
-                          : materials.pair(a, b).restitution;
+    restitution_ = law.givenDamping ? std::clamp(central.restitution, 0.0, 1.0)
+                                    : materials.pair(a, b).restitution;
     // at the dashpots' own time scale; the integration's own error falls out of the difference
     const double press = ImpactLaw::mostPressing/central.duration;
     pressingSlope_ = (integrate(law, c, 0, press).restitution
                       - integrate(law, c, 0, -press).restitution)/(2*ImpactLaw::mostPressing);
     applies_ = c.cohesion == 0 && c.rolling <= mostRolling && central.duration < 100
-        && !(damped && (c.exponent != 1.5 || c.friction > 0));
+        && law.impactSuffices(c);
     if (!applies_ || c.friction == 0) return;
 
     // Gross sliding is certain from this ratio on; half as much again for the law's own dashpot.
@@ -121,19 +109,11 @@ ImpactLaw::ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uin
 }
 
 
-double ImpactLaw::duration(double effectiveMass, double effectiveRadius, double closingSpeed) const
+ImpactTable::ImpactTable(const ContactLaw& law, const ContactMaterials& materials)
 {
-    if (!hertzian_) return dimensionlessTime_*std::sqrt(effectiveMass/stiffness_);
-    // Hertz: times scale with (m^2/(E^2 R c))^(1/5).
-    const double m = effectiveMass/stiffness_;
-    return dimensionlessTime_*std::pow(m*m/(effectiveRadius*closingSpeed), 0.2);
-}
-
-
-ImpactTable::ImpactTable(ContactLaw law, const ContactMaterials& materials)
-{
+    const LawTable laws(law, materials);
     for (std::uint32_t a = 0; a < materials.size(); ++a)
-        for (std::uint32_t b = 0; b <= a; ++b) laws_.emplace_back(law, materials, a, b);
+        for (std::uint32_t b = 0; b <= a; ++b) laws_.emplace_back(laws, materials, a, b);
 }
 
 

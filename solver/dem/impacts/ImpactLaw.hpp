@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/Vector3.hpp"
+#include "laws/LawTable.hpp"
 #include "laws/Settings.hpp"
 
 #include <algorithm>
@@ -27,8 +28,9 @@ class ImpactLaw
 public:
     ImpactLaw() = default;
 
-    /// Tabulates the law of a pair of materials; `restitution` <= 0: take what the law gives.
-    ImpactLaw(ContactLaw law, const ContactMaterials& materials, std::uint32_t a, std::uint32_t b);
+    /// Tabulates the law of a pair of materials.
+    ImpactLaw(const LawTable& laws, const ContactMaterials& materials, std::uint32_t a,
+              std::uint32_t b);
 
     /// False where one impulse cannot stand for the contact: cohesion, a damping whose restitution
     /// depends on speed, the friction of spring-slider-dashpot, which depends on the step, and a
@@ -41,7 +43,7 @@ public:
         return std::clamp(restitution_ + pressingSlope_*pressing, 0.0, 1.0);
     }
     static constexpr double mostPressing = 0.02;
-    double rolling() const { return rolling_; }
+    double rolling() const { return coefficients_.rolling; }
 
     /// T above, for the ratio s/c >= 0.
     double tangentialImpulse(double ratio) const
@@ -53,18 +55,23 @@ public:
     }
 
     /// Duration of the contact, s, at closing speed c (m/s).
-    double duration(double effectiveMass, double effectiveRadius, double closingSpeed) const;
-    /// Largest overlap of an elastic contact of that duration, m: pi times smaller than the way at
-    /// closing speed (linear), 2.94 times (Hertz).
+    double duration(double effectiveMass, double effectiveRadius, double closingSpeed) const
+    {
+        return dimensionlessTime_
+               *law_->timeScale(coefficients_, effectiveRadius, effectiveMass, closingSpeed);
+    }
+    /// Largest overlap of an elastic contact of that duration, m.
     double depth(double duration, double closingSpeed) const
     {
-        return duration*closingSpeed/(hertzian_ ? 2.9432 : 3.14159265358979);
+        return duration*closingSpeed/law_->wayOverOverlap;
     }
 
 private:
-    bool applies_ = false, hertzian_ = false;
+    const ContactLaw* law_ = nullptr;
+    laws::Coefficients coefficients_;
+    bool applies_ = false;
     double restitution_ = 1, pressingSlope_ = 0;
-    double rolling_ = 0, stiffness_ = 1, dimensionlessTime_ = 1;
+    double dimensionlessTime_ = 1;
     double inverseSpacing_ = 0;
     std::vector<double> table_{0.0, 0.0};
 };
@@ -73,7 +80,7 @@ private:
 class ImpactTable
 {
 public:
-    ImpactTable(ContactLaw law, const ContactMaterials& materials);
+    ImpactTable(const ContactLaw& law, const ContactMaterials& materials);
 
     const ImpactLaw& operator()(std::uint32_t a, std::uint32_t b) const
     {
@@ -82,6 +89,16 @@ public:
 
 private:
     std::vector<ImpactLaw> laws_;
+};
+
+/// Of particles with each other, and with walls.
+struct ImpactLaws
+{
+    ImpactTable pairs, walls;
+
+    ImpactLaws(const Settings& settings, const ContactMaterials& materials)
+      : pairs(*settings.law, materials), walls(settings.lawAtWalls(), materials)
+    {}
 };
 
 /// A sphere as an impact sees it; a wall has inverseMass 0 and radius 0.

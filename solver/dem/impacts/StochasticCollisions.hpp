@@ -3,7 +3,7 @@
 #include "core/PeriodicBox.hpp"
 #include "impacts/FirstContact.hpp"
 #include "impacts/ParticleState.hpp"
-#include "laws/laws.hpp"
+#include "laws/Coefficients.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -28,7 +28,7 @@ AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMa
                                        const Walls& walls, SoftIntegrator& soft,
                                        IslandStepper::StepLimit stepLimit)
   : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit),
-    laws_(settings.law, materials), states_(settings), boundPairs_(settings),
+    laws_(settings, materials), states_(settings), boundPairs_(settings),
     search_(settings, walls, boundPairs_),
     steppers_(settings, materials, walls, laws_, stepLimit), pathCheck_(settings, boundPairs_)
 {}

@@ -62,7 +62,7 @@ private:
     const Walls& walls_;
     SoftIntegrator& soft_;
     IslandStepper::StepLimit stepLimit_;
-    ImpactTable laws_;
+    ImpactLaws laws_;
 
     ParticleStates states_;
     SortedContacts contacts_;

@@ -27,7 +27,7 @@ Settings forIslands(Settings settings)
 
 
 IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& materials,
-                             const Walls& walls, const ImpactTable& laws, StepLimit stepLimit)
+                             const Walls& walls, const ImpactLaws& laws, StepLimit stepLimit)
   : settings_(forIslands(settings)), materials_(materials), walls_(walls),
     stepLimit_(std::move(stepLimit)),
     events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact)
@@ -140,7 +140,7 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
 
 
 IslandSteppers::IslandSteppers(const Settings& settings, const ContactMaterials& materials,
-                               const Walls& walls, const ImpactTable& laws,
+                               const Walls& walls, const ImpactLaws& laws,
                                const IslandStepper::StepLimit& stepLimit)
   : threads_(settings.threads)
 {

@@ -37,7 +37,7 @@ public:
     using StepLimit = std::function<double(const Particles&)>;
 
     IslandStepper(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-                  const ImpactTable& laws, StepLimit stepLimit);
+                  const ImpactLaws& laws, StepLimit stepLimit);
     IslandStepper(const IslandStepper&) = delete;
 
     void run(const Piece& piece, const Island& island, IslandResult& result);
@@ -61,7 +61,7 @@ class IslandSteppers
 {
 public:
     IslandSteppers(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-                   const ImpactTable& laws, const IslandStepper::StepLimit& stepLimit);
+                   const ImpactLaws& laws, const IslandStepper::StepLimit& stepLimit);
 
     /// Steps the islands listed in `which`; results[k] is that of island k.
     void run(const Piece& piece, const std::vector<Island>& islands,

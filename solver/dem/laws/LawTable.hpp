@@ -1,7 +1,6 @@
 #pragma once
 
-#include "laws/Settings.hpp"
-#include "laws/laws.hpp"
+#include "laws/ContactLaw.hpp"
 
 #include <vector>
 
@@ -12,9 +11,10 @@ namespace elutria::dem
 class LawTable
 {
 public:
-    LawTable(ContactLaw law, const ContactMaterials& materials);
+    LawTable(const ContactLaw& law, const ContactMaterials& materials);
 
-    ContactLaw law() const { return law_; }
+    /// The law asked for, or its form for any exponent where a pair of materials needs that.
+    const ContactLaw& law() const { return *law_; }
 
     const laws::Coefficients& operator()(std::uint32_t a, std::uint32_t b) const
     {
@@ -22,13 +22,12 @@ public:
     }
     std::size_t size() const { return size_; }
     bool rolls() const { return rolls_; }
-    bool otherExponent() const { return otherExponent_; }
 
 private:
-    ContactLaw law_;
+    const ContactLaw* law_;
     std::size_t size_;
     std::vector<laws::Coefficients> table_;
-    bool rolls_ = false, otherExponent_ = false;
+    bool rolls_ = false;
 };
 
 } // namespace elutria::dem

@@ -35,7 +35,7 @@ std::size_t PairContacts::Arrays::bytes() const
            + touching.capacity();
 }
 
-PairContacts::PairContacts(const LawTable& laws) : laws_(laws), law_(laws.law())
+PairContacts::PairContacts(const LawTable& laws) : laws_(laws), kernel_(ContactLaws::find(laws.law().name))
 {
     for (std::uint32_t a = 0; a < laws.size(); ++a)
     {
@@ -201,7 +201,6 @@ struct PairContacts::Job
     StepWeights weights;
 };
 
-template<ContactLaw law>
 Contribution PairContacts::transition(void* self, std::size_t k)
 {
     const Job& job = *static_cast<Job*>(self);
@@ -218,18 +217,51 @@ Contribution PairContacts::transition(void* self, std::size_t k)
     e.slip = past - share*cross(surface, e.normal);
     e.radius = a.radius*b.radius/sum;
     e.mass = 1/(double(a.inverseMass) + b.inverseMass);
-    e.turning = (1/distance)*(past - dot(past, e.normal)*e.normal);
+    e.normalRate = (1/distance)*(past - dot(past, e.normal)*e.normal);
     ContactHistory history{{arrays.x[k], arrays.y[k], arrays.z[k]}, arrays.touching[k] != 0};
     const laws::Coefficients& c = job.laws(job.cloud.material(i), job.cloud.material(j));
-    const ContactForce f = contactForce<law>(c, e, history, job.weights);
-    arrays.x[k] = float(history.tangential.x);
-    arrays.y[k] = float(history.tangential.y);
-    arrays.z[k] = float(history.tangential.z);
+    const ContactForce f = job.laws.law().force(c, e, history, job.weights);
+    arrays.x[k] = float(history.displacement.x);
+    arrays.y[k] = float(history.displacement.y);
+    arrays.z[k] = float(history.displacement.z);
     arrays.touching[k] = history.touching;
     const Vector3 force = f.normal*e.normal + f.tangential;
     const Vector3 moment = -share*cross(e.normal, f.tangential);
     return {float(force.x), float(force.y), float(force.z), 0,
             float(moment.x), float(moment.y), float(moment.z), 0};
+}
+
+/// What the kernels do, contact by contact in double precision.
+void PairContacts::evaluateSingly(PairWork& w)
+{
+    w.largestOverlap = 0;
+    const Job& job = *static_cast<Job*>(w.self);
+    for (std::size_t k = 0; k < w.contacts.count; ++k)
+    {
+        const std::uint32_t i = w.contacts.first[k], j = w.contacts.second[k];
+        const Row &a = w.rows[i], &b = w.rows[j];
+        const double sum = a.radius + b.radius;
+        const double overlap = sum - norm(job.cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z}));
+        if (overlap <= 0 && !w.contacts.touching[k])
+        {
+            if (k >= w.inside) w.across[k - w.inside] = {};
+            continue;
+        }
+        w.largestOverlap = std::max(w.largestOverlap,
+                                    float(0.5*overlap*sum/(a.radius*b.radius)));
+        const Contribution c = transition(w.self, k);
+        Load& first = w.loads[i];
+        first.fx += c.fx, first.fy += c.fy, first.fz += c.fz;
+        first.mx += c.mx, first.my += c.my, first.mz += c.mz;
+        if (k >= w.inside)
+        {
+            w.across[k - w.inside] = c;
+            continue;
+        }
+        Load& second = w.loads[j];
+        second.fx -= c.fx, second.fy -= c.fy, second.fz -= c.fz;
+        second.mx += c.mx, second.my += c.my, second.mz += c.mz;
+    }
 }
 
 void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
@@ -256,22 +288,9 @@ void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
     work.material = cloud.materials.empty() ? nullptr : cloud.materials.data();
     work.materials = laws_.size();
     work.self = &job;
-    int kernel = 0;
-    switch (law_)
-    {
-        case ContactLaw::linear:
-            work.transition = transition<ContactLaw::linear>;
-            break;
-        case ContactLaw::hertz:
-            kernel = 1;
-            work.transition = transition<ContactLaw::hertz>;
-            break;
-        case ContactLaw::springSliderDashpot:
-            kernel = laws_.otherExponent() ? 3 : 2;
-            work.transition = transition<ContactLaw::springSliderDashpot>;
-            break;
-    }
-    kernels().pairs[kernel](work);
+    work.transition = transition;
+    if (kernel_ < ContactLaws::size) kernels().pairs[kernel_](work);
+    else evaluateSingly(work);
     chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
 }
 
@@ -288,15 +307,12 @@ void PairContacts::addRolling(std::size_t index, SoftCloud& cloud, StepWeights w
             - norm(cloud.box.shortest({a.x - b.x, a.y - b.y, a.z - b.z}));
         const laws::Coefficients& c = laws_(cloud.material(i), cloud.material(j));
         const double radius = a.radius*b.radius/(a.radius + b.radius);
-        const double stiffness = law_ == ContactLaw::linear
-            ? laws::stiffness<ContactLaw::linear>(c, radius, overlap)
-            : laws::stiffness<ContactLaw::hertz>(c, radius, overlap);
         const double inertia = 0.4/(a.inverseMass/(a.radius*a.radius)
                                     + b.inverseMass/(b.radius*b.radius));
         const Vector3 spin = (1/a.radius)*Vector3{a.sx, a.sy, a.sz}
                              - (1/b.radius)*Vector3{b.sx, b.sy, b.sz};
-        const Vector3 torque = rollingTorque(c, c.elastic*stiffness*overlap, radius, inertia, spin,
-                                             weights);
+        const Vector3 torque = rollingTorque(c, laws_.law().elasticForce(c, radius, overlap), radius,
+                                             inertia, spin, weights);
         const Vector3 onFirst = (1/a.radius)*torque, onSecond = (-1/b.radius)*torque;
         Load& first = cloud.loads[i];
         first.mx += onFirst.x, first.my += onFirst.y, first.mz += onFirst.z;

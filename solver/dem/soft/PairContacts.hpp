@@ -1,7 +1,7 @@
 #pragma once
 
+#include "laws/ContactForce.hpp"
 #include "laws/LawTable.hpp"
-#include "laws/contact.hpp"
 #include "neighbours/PairSearch.hpp"
 #include "soft/SoftCloud.hpp"
 #include "soft/VerletBuffer.hpp"
@@ -12,7 +12,7 @@
 namespace elutria::dem
 {
 
-/// A contact between two particles of the cloud that lasts; stretch of first against second.
+/// A contact between two particles of the cloud that lasts; displacement of first against second.
 struct LastingPair
 {
     std::uint32_t first, second;      // first < second
@@ -70,7 +70,7 @@ private:
     struct Arrays
     {
         std::vector<std::uint32_t> first, second;
-        std::vector<float> x, y, z;         // stretch
+        std::vector<float> x, y, z;         // tangential displacement, m
         std::vector<std::uint8_t> touching;
         std::size_t count = 0;              // in use; room for contactBlock more is behind them
         std::size_t inside = 0;             // the first of them have both partners in the chunk
@@ -100,10 +100,11 @@ private:
     class OldContacts;
     struct Job;
 
-    template<ContactLaw law> static Contribution transition(void* job, std::size_t k);
+    static Contribution transition(void* job, std::size_t k);
+    static void evaluateSingly(PairWork& work);
 
     const LawTable& laws_;
-    ContactLaw law_;
+    std::size_t kernel_;                // place in the list of laws; its size: not listed
     std::vector<laws::CoefficientsOf<float>> coefficients_;
     std::vector<Chunk> chunks_;
     std::size_t particles_ = 0;

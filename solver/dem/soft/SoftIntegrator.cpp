@@ -1,6 +1,7 @@
 #include "soft/SoftIntegrator.hpp"
 
 #include "core/forEach.hpp"
+#include "core/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +23,8 @@ bool before(const ContactRecord& a, const ContactRecord& b)
 
 SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
                                const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(settings.law, materials), contacts_(laws_),
-    atWalls_(laws_, walls)
+  : settings_(settings), walls_(walls), laws_(*settings.law, materials),
+    wallLaws_(settings.lawAtWalls(), materials), contacts_(laws_), atWalls_(wallLaws_, walls)
 {
     cloud_.box = settings.box;
 }
@@ -46,7 +47,7 @@ std::vector<ContactRecord> SoftIntegrator::exportContacts() const
     }
     for (const LastingWall& w : atWalls_.lasting())
     {
-        records.push_back({cloud_.id(w.particle), w.feature, true, w.stretch});
+        records.push_back({cloud_.id(w.particle), w.feature, true, w.displacement});
     }
     std::sort(records.begin(), records.end(), before);
     return records;
@@ -202,7 +203,7 @@ void SoftIntegrator::move(StepWeights weights, bool received)
     if (!std::isfinite(squaredNorm(sum)))
     {
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
-                                 + std::to_string(step_) + " s)");
+                                 + text(step_) + " s)");
     }
     sinceList_ += step_, sinceNear_ += step_;
     cloud_.frame = mean_;                  // the rows' from now on

@@ -76,7 +76,7 @@ private:
 
     const Settings& settings_;
     const Walls& walls_;
-    LawTable laws_;
+    LawTable laws_, wallLaws_;
     SoftCloud cloud_;
     PairList list_;
     PairContacts contacts_;

@@ -1,6 +1,7 @@
 // The soft integrator's neighbour list and near pairs: when they are made anew, and how wide.
 
 #include "core/forEach.hpp"
+#include "core/text.hpp"
 #include "soft/SoftIntegrator.hpp"
 
 #include <algorithm>
@@ -73,8 +74,8 @@ void SoftIntegrator::checkBox() const
         const double length = settings_.box.high[a] - settings_.box.low[a];
         if (settings_.box.periodic[a] && length < 2*reach)
         {
-            throw std::invalid_argument("periodic box is " + std::to_string(length) + " m wide in "
-                + "xyz"[a] + "; allowed: at least " + std::to_string(2*reach)
+            throw std::invalid_argument("periodic box is " + text(length) + " m wide in "
+                + "xyz"[a] + "; allowed: at least " + text(2*reach)
                 + " m, twice the reach of its largest particle");
         }
     }

@@ -23,7 +23,7 @@ void WallContacts::reset(std::size_t chunks, const std::vector<LastingWall>& las
             added.particle = l.particle;
             added.memories.clear();
         }
-        chunk.current[chunk.count - 1].memories.push_back({l.feature, {l.stretch, true}});
+        chunk.current[chunk.count - 1].memories.push_back({l.feature, {l.displacement, true}});
     }
 }
 
@@ -66,9 +66,11 @@ double WallContacts::refresh(std::size_t index, const SoftCloud& cloud, std::siz
     return std::max(margin, nearest);
 }
 
-template<ContactLaw law>
-void WallContacts::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights)
+void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
 {
+    if (walls_.empty()) return;
+    Chunk& chunk = chunks_[index];
+    const ContactLaw& law = laws_.law();
     for (std::size_t k = 0; k < chunk.count; ++k)
     {
         Candidate& candidate = chunk.current[k];
@@ -97,7 +99,8 @@ void WallContacts::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weig
             }
             if (wall.gap >= 0 && !history.touching) continue;
             const double share = (row.radius + wall.gap)/row.radius;
-            const Vector3 velocity = cloud.frame + Vector3{row.vx, row.vy, row.vz};
+            const Vector3 velocity =
+                cloud.frame + Vector3{row.vx, row.vy, row.vz} - wall.velocity;
             Encounter e;
             e.normal = wall.normal;
             e.overlap = -wall.gap;
@@ -105,7 +108,7 @@ void WallContacts::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weig
             e.radius = row.radius;
             e.mass = 1/cloud.bases[i].inverseMass;
             const laws::Coefficients& c = laws_(cloud.material(i), wall.material);
-            const ContactForce f = contactForce<law>(c, e, history, weights);
+            const ContactForce f = law.force(c, e, history, weights);
             const Vector3 force = f.normal*e.normal + f.tangential;
             Vector3 moment = -share*cross(e.normal, f.tangential);
             if (c.rolling > 0)
@@ -120,21 +123,6 @@ void WallContacts::evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weig
             chunk.largestOverlap = std::max(chunk.largestOverlap, e.overlap/row.radius);
         }
         candidate.memories.assign(chunk.kept.begin(), chunk.kept.end());
-    }
-}
-
-void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
-{
-    if (walls_.empty()) return;
-    Chunk& chunk = chunks_[index];
-    switch (laws_.law())
-    {
-        case ContactLaw::linear:
-            return evaluateWith<ContactLaw::linear>(chunk, cloud, weights);
-        case ContactLaw::hertz:
-            return evaluateWith<ContactLaw::hertz>(chunk, cloud, weights);
-        case ContactLaw::springSliderDashpot:
-            return evaluateWith<ContactLaw::springSliderDashpot>(chunk, cloud, weights);
     }
 }
 
@@ -158,7 +146,7 @@ std::vector<LastingWall> WallContacts::lasting() const
         {
             for (const auto& [feature, history] : chunk.current[k].memories)
             {
-                all.push_back({chunk.current[k].particle, feature, history.tangential});
+                all.push_back({chunk.current[k].particle, feature, history.displacement});
             }
         }
     }

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "laws/ContactForce.hpp"
 #include "laws/LawTable.hpp"
-#include "laws/contact.hpp"
 #include "soft/SoftCloud.hpp"
 #include "walls/Walls.hpp"
 
@@ -16,7 +16,7 @@ struct LastingWall
 {
     std::uint32_t particle;
     std::uint64_t feature;
-    Vector3 stretch;
+    Vector3 displacement;
 };
 
 /// The particles near walls, the triangles each may touch, and the history of those that do.
@@ -60,9 +60,6 @@ private:
         std::vector<WallContact> found;
         std::vector<Memory> kept;
     };
-
-    template<ContactLaw law>
-    void evaluateWith(Chunk& chunk, SoftCloud& cloud, StepWeights weights);
 
     const LawTable& laws_;
     const Walls& walls_;

@@ -145,10 +145,48 @@ void Walls::check() const
                 throw std::invalid_argument("walls: triangle " + std::to_string(i)
                     + " names point " + std::to_string(point) + ", there are "
                     + std::to_string(points));
+    if (move() && geometry_.motion.size() != geometry_.triangles.size())
+        throw std::invalid_argument("walls: " + std::to_string(geometry_.triangles.size())
+            + " triangles but " + std::to_string(geometry_.motion.size()) + " motions");
+    for (const std::uint32_t motion : geometry_.motion)
+        if (motion >= geometry_.motions.size())
+            throw std::invalid_argument("walls: a triangle names motion " + std::to_string(motion)
+                + ", there are " + std::to_string(geometry_.motions.size()));
+    checkMotions();
     for (int axis = 0; axis < 3; ++axis)
         if (box_.periodic[axis] && !(box_.high[axis] > box_.low[axis]))
             throw std::invalid_argument("walls: the periodic box is empty along axis "
                 + std::to_string(axis));
+}
+
+
+void Walls::checkMotions() const
+{
+    for (const WallMotion& m : geometry_.motions)
+        if (!finite(m.velocity) || !finite(m.rotation) || !finite(m.origin))
+            throw std::invalid_argument("walls: a motion is not finite");
+}
+
+
+void Walls::setMotions(std::vector<WallMotion> motions)
+{
+    if (motions.size() != geometry_.motions.size())
+        throw std::invalid_argument("walls: " + std::to_string(motions.size())
+            + " new motions; allowed: as many as before, "
+            + std::to_string(geometry_.motions.size()));
+    geometry_.motions = std::move(motions);
+    checkMotions();
+}
+
+
+double Walls::largestSpeed() const
+{
+    double most = 0;
+    for (std::size_t i = 0; i < geometry_.motion.size(); ++i)
+        for (const std::uint32_t point : geometry_.triangles[i])
+            most = std::max(most, norm(geometry_.motions[geometry_.motion[i]]
+                                           .at(geometry_.points[point])));
+    return most;
 }
 
 

@@ -164,8 +164,9 @@ void Walls::addContact(const Triangle& t, const Image& image, const Foot& neares
     const double distance = norm(away);
     if (distance > limit || !locallyNearest(t, nearest, away)) return;
     const Vector3 normal = distance > 0 ? (1/distance)*away : t.normal;
-    found.push_back({normal, nearest.point + image.shift, distance - radius, t.material,
-                     image.triangle, key(t, nearest)});
+    const Vector3 point = nearest.point + image.shift;
+    found.push_back({normal, point, distance - radius, t.material, image.triangle,
+                     key(t, nearest), surfaceVelocity(image, point, normal)});
 }
 
 

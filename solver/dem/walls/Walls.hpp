@@ -11,6 +11,17 @@
 namespace elutria::dem
 {
 
+/// Rigid motion of a wall along its own surface: a belt, a rotor, a deck that shakes in its plane.
+/// The geometry stays where it is; what the motion has across the surface does not count.
+struct WallMotion
+{
+    Vector3 velocity;                                        // m/s
+    Vector3 rotation;                                        // rad/s, angular velocity
+    Vector3 origin;                                          // m, a point of the axis
+
+    Vector3 at(const Vector3& point) const { return velocity + cross(rotation, point - origin); }
+};
+
 /// What the caller knows of the walls: triangles as index triples into shared points.
 /// Both sides of a triangle are wall; a baffle is given once.
 struct WallGeometry
@@ -18,6 +29,9 @@ struct WallGeometry
     std::vector<Vector3> points;                             // m
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::vector<std::uint32_t> material;                     // per triangle: contact material
+    std::vector<WallMotion> motions = {};
+    std::vector<std::uint32_t> motion = {};                  // per triangle: index into motions;
+                                                             // empty: all at rest
 };
 
 /// A sphere near or in a wall.
@@ -29,6 +43,7 @@ struct WallContact
     std::uint32_t material;
     std::uint32_t triangle;
     std::uint64_t feature;     // stable key of what is touched, for the contact history
+    Vector3 velocity;          // m/s, of the wall's surface at the point, along the surface
 };
 
 /// Triangulated walls, and which of their features a sphere touches.
@@ -52,8 +67,8 @@ public:
 
     Walls() = default;
 
-    /// Throws std::invalid_argument for a point that is not finite, an index out of range,
-    /// material count differing from the triangle count, or an empty periodic box.
+    /// Throws std::invalid_argument for a point or motion that is not finite, an index out of range,
+    /// a material or motion count differing from the triangle count, or an empty periodic box.
     explicit Walls(WallGeometry geometry, PeriodicBox box = {});
 
     bool empty() const { return triangles_.empty(); }
@@ -61,6 +76,12 @@ public:
     const WallGeometry& geometry() const { return geometry_; }
     const PeriodicBox& box() const { return box_; }
     std::uint32_t material(std::uint32_t triangle) const { return triangles_[triangle].material; }
+
+    bool move() const { return !geometry_.motion.empty(); }
+    /// New motions of the same walls (an oscillating deck); as many as the geometry had.
+    void setMotions(std::vector<WallMotion> motions);
+    /// Largest speed of any wall's surface, m/s.
+    double largestSpeed() const;
 
     /// Lower bound of the distance from a position to any wall, m: one table look-up.
     /// 0 when near; infinite without walls.
@@ -84,6 +105,14 @@ public:
         std::uint32_t triangle;
         Vector3 shift;
     };
+
+    /// Velocity along its surface of the wall at a point, m/s.
+    Vector3 surfaceVelocity(const Image& image, const Vector3& point, const Vector3& normal) const
+    {
+        if (!move()) return {};
+        const Vector3 v = geometry_.motions[geometry_.motion[image.triangle]].at(point - image.shift);
+        return v - dot(v, normal)*normal;
+    }
 
     /// False only if no wall comes within `reach` of the straight way from `from` to `to`.
     bool near(const Vector3& from, const Vector3& to, double reach) const;
@@ -205,6 +234,7 @@ private:
                       std::vector<Image>& found) const;
 
     void check() const;
+    void checkMotions() const;
     void buildTriangles();
     struct Topology;
     void buildTopology();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "laws/laws.hpp"
+#include "laws/LawList.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -55,7 +55,7 @@ struct ContactArrays
 {
     std::size_t count;
     const std::uint32_t *first, *second;
-    float *stretchX, *stretchY, *stretchZ;
+    float *displacementX, *displacementY, *displacementZ;
     std::uint8_t* touching;
 };
 
@@ -94,7 +94,7 @@ struct MoveWork
 struct Kernels
 {
     const char* name;
-    void (*pairs[4])(PairWork&);            // by law; 3: spring-slider-dashpot, exponent not 1.5
+    void (*pairs[ContactLaws::size])(PairWork&);   // by place in the list of laws
     void (*move)(MoveWork&);
 };
 

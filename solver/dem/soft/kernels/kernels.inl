@@ -1,6 +1,7 @@
-// The kernels' body; each of kernelsBaseline.cpp, kernelsAvx2.cpp and kernelsAvx512.cpp includes it
+// The kernels' body; each of baseline.cpp, avx2.cpp and avx512.cpp includes it
 // with its own compiler flags. Nothing here may have external linkage but the table.
 
+#include "laws/LawList.hpp"
 #include "soft/kernels/Kernels.hpp"
 
 namespace elutria::dem
@@ -152,13 +153,13 @@ ELUTRIA_INLINE void lookUp(const PairWork& w, std::size_t start, std::size_t cou
     }
 }
 
-template<ContactLaw law, bool otherExponent>
+template<class Law>
 ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, float& largest,
                            float& changes)
 {
-    float* __restrict stretchX = w.contacts.stretchX + start;
-    float* __restrict stretchY = w.contacts.stretchY + start;
-    float* __restrict stretchZ = w.contacts.stretchZ + start;
+    float* __restrict displacementX = w.contacts.displacementX + start;
+    float* __restrict displacementY = w.contacts.displacementY + start;
+    float* __restrict displacementZ = w.contacts.displacementZ + start;
     const float before = float(w.before), after = float(w.after);
     float deepest = largest, events = 0;
 #pragma GCC ivdep
@@ -174,11 +175,11 @@ ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, flo
         const bool touches = overlap > 0;
         const float was = s.was[k];
 
-        laws::Touch<float> t;
+        laws::Kinematics<float> t;
         t.normal = {nx, ny, nz};
         t.slip = {ux - (sy*nz - sz*ny), uy - (sz*nx - sx*nz), uz - (sx*ny - sy*nx)};
-        t.turning = {inverse*(ux - along*nx), inverse*(uy - along*ny), inverse*(uz - along*nz)};
-        t.stretch = {stretchX[k], stretchY[k], stretchZ[k]};
+        t.normalRate = {inverse*(ux - along*nx), inverse*(uy - along*ny), inverse*(uz - along*nz)};
+        t.displacement = {displacementX[k], displacementY[k], displacementZ[k]};
         t.overlap = touches ? overlap : 0.0f;
         t.radius = 1/s.relative[7][k];
         t.mass = 1/s.relative[3][k];
@@ -193,7 +194,7 @@ ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, flo
         c.friction = s.coefficient[5][k];
         c.cohesion = s.coefficient[6][k];
         c.exponent = s.coefficient[7][k];
-        const laws::Push<float> p = laws::push<law, otherExponent>(c, t);
+        const laws::Force<float> p = Law::force(c, t);
 
         const float active = touches ? was : 0.0f;
         const float fx = p.tangential.x, fy = p.tangential.y, fz = p.tangential.z;
@@ -203,9 +204,9 @@ ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, flo
         s.result[4][k] = active*share*(nz*fy - ny*fz);
         s.result[5][k] = active*share*(nx*fz - nz*fx);
         s.result[6][k] = active*share*(ny*fx - nx*fy);
-        stretchX[k] = active > 0 ? p.stretch.x : stretchX[k];
-        stretchY[k] = active > 0 ? p.stretch.y : stretchY[k];
-        stretchZ[k] = active > 0 ? p.stretch.z : stretchZ[k];
+        displacementX[k] = active > 0 ? p.displacement.x : displacementX[k];
+        displacementY[k] = active > 0 ? p.displacement.y : displacementY[k];
+        displacementZ[k] = active > 0 ? p.displacement.z : displacementZ[k];
         const float change = (touches ? 1.0f : 0.0f) != was ? 1.0f : 0.0f;
         s.changed[k] = change;
         events = change > events ? change : events;
@@ -239,7 +240,7 @@ ELUTRIA_INLINE void scatter(const PairWork& w, std::size_t start, std::size_t co
     }
 }
 
-template<ContactLaw law, bool otherExponent>
+template<class Law>
 void pairForces(PairWork& w)
 {
     w.largestOverlap = 0;
@@ -256,7 +257,7 @@ void pairForces(PairWork& w)
         measure(w, s);
         if (w.material != nullptr && start > 0) lookUp(w, start, count, s);
         float changes;
-        forces<law, otherExponent>(w, start, s, largest, changes);
+        forces<Law>(w, start, s, largest, changes);
         collect(s);
         if (changes > 0)
         {
@@ -347,13 +348,14 @@ void move(MoveWork& w)
     else moveRange<false>(w);
 }
 
+template<class... Laws>
+constexpr Kernels kernelsOf(LawList<Laws...>)
+{
+    return {ELUTRIA_KERNELS_NAME, {pairForces<Laws>...}, move};
+}
+
 } // namespace
 
-extern const Kernels ELUTRIA_KERNELS = {
-    ELUTRIA_KERNELS_NAME,
-    {pairForces<ContactLaw::linear, false>, pairForces<ContactLaw::hertz, false>,
-     pairForces<ContactLaw::springSliderDashpot, false>,
-     pairForces<ContactLaw::springSliderDashpot, true>},
-    move};
+extern const Kernels ELUTRIA_KERNELS = kernelsOf(ContactLaws());
 
 } // namespace elutria::dem

@@ -1,5 +1,5 @@
 #include "impacts/ImpactLaw.hpp"
-#include "laws/laws.hpp"
+#include "laws/LawList.hpp"
 #include "support/near.hpp"
 #include "support/scenes.hpp"
 
@@ -32,6 +32,11 @@ ContactMaterials grains(double restitution, double friction)
     p.friction = friction;
     p.normalStiffness = 1e12;      // so stiff that nothing turns while they touch
     return scenes::oneMaterial(p, 1e16);
+}
+
+ImpactLaw impactLaw(const ContactLaw& law, const ContactMaterials& materials)
+{
+    return ImpactLaw(LawTable(law, materials), materials, 0, 0);
 }
 
 /// Two spheres that touch, as bodies and as particles for the soft engine.
@@ -67,7 +72,7 @@ struct Encounter2
 TEST_CASE("impact: momentum and angular momentum exact, energy never grows, restitution as asked")
 {
     Uniform random;
-    for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hertz})
+    for (const ContactLaw* law : {&contactLaw<LinearSpringDashpot>, &contactLaw<HertzMindlin>})
         for (int trial = 0; trial < 300; ++trial)
         {
             const double e = random(0.05, 1), friction = random(0, 1);
@@ -76,7 +81,7 @@ TEST_CASE("impact: momentum and angular momentum exact, energy never grows, rest
                 : trial % 30 == 0 ? grains(e, friction) : grains(0.8, 0.3);
             const double asked = materials.pair(0, 0).restitution;
             static ImpactLaw impact;
-            if (trial < 5 || trial % 30 < 2) impact = ImpactLaw(law, materials, 0, 0);
+            if (trial < 5 || trial % 30 < 2) impact = impactLaw(*law, materials);
             REQUIRE(impact.applies());
 
             Encounter2 pair(random, random(0, 4));
@@ -104,9 +109,9 @@ TEST_CASE("impact: gross sliding as in the closed form")
 {
     const double e = 0.8, friction = 0.2;
     const auto materials = grains(e, friction);
-    for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hertz})
+    for (const ContactLaw* law : {&contactLaw<LinearSpringDashpot>, &contactLaw<HertzMindlin>})
     {
-        const ImpactLaw impact(law, materials, 0, 0);
+        const ImpactLaw impact = impactLaw(*law, materials);
         ImpactBody ball{0.01, 1/0.02, {3, 0, -1}, {}}, wall;
         collide(ball, wall, {0, 0, 1}, impact);
         CHECK(ball.velocity.x == near(3 - friction*(1 + e), 1e-12));
@@ -117,7 +122,7 @@ TEST_CASE("impact: gross sliding as in the closed form")
 
 TEST_CASE("impact: sticking with k_t = 2/7 k_n turns the sliding round with the same restitution")
 {
-    const ImpactLaw impact(ContactLaw::linear, grains(0.9, 1), 0, 0);
+    const ImpactLaw impact = impactLaw(contactLaw<LinearSpringDashpot>, grains(0.9, 1));
     const double sliding = 0.05;
     const double after = sliding - 3.5*impact.tangentialImpulse(sliding);
     CHECK(std::abs(after + 0.9*sliding) < 2e-3*sliding);
@@ -126,13 +131,13 @@ TEST_CASE("impact: sticking with k_t = 2/7 k_n turns the sliding round with the 
 TEST_CASE("impact: the same outcome as the soft contact, from sticking to gross sliding")
 {
     Uniform random;
-    for (const ContactLaw law :
-         {ContactLaw::linear, ContactLaw::hertz, ContactLaw::springSliderDashpot})
+    for (const ContactLaw* law :
+         {&contactLaw<LinearSpringDashpot>, &contactLaw<HertzMindlin>, &contactLaw<SpringSliderDashpot>})
         for (const double e : {0.3, 0.7, 0.95})
         {
             const auto materials =
-                grains(e, law == ContactLaw::springSliderDashpot ? 0 : 0.3);
-            const ImpactLaw impact(law, materials, 0, 0);
+                grains(e, law == &contactLaw<SpringSliderDashpot> ? 0 : 0.3);
+            const ImpactLaw impact = impactLaw(*law, materials);
             REQUIRE(impact.applies());
             Settings settings;
             settings.law = law;
@@ -140,7 +145,7 @@ TEST_CASE("impact: the same outcome as the soft contact, from sticking to gross 
             settings.stepFraction = 0.002;
             for (const double sliding : {0.0, 0.05, 0.3, 0.8, 1.2, 1.6, 1.9, 2.5, 5.0})
             {
-                CAPTURE(int(law));
+                CAPTURE(law->name);
                 CAPTURE(e);
                 CAPTURE(sliding);
                 Encounter2 pair(random, sliding);
@@ -167,7 +172,7 @@ TEST_CASE("impact: rolling resistance as the soft contact has it")
         PairProperties p = materials.pair(0, 0);
         p.rollingFriction = rolling;
         materials.setPair(0, 0, p);
-        const ImpactLaw impact(ContactLaw::hertz, materials, 0, 0);
+        const ImpactLaw impact = impactLaw(contactLaw<HertzMindlin>, materials);
         Settings settings;
         settings.treatment = ContactTreatment::soft;
         settings.stepFraction = 0.002;
@@ -193,16 +198,12 @@ TEST_CASE("impact: rolling resistance as the soft contact has it")
 
 TEST_CASE("impact: contact duration as that of the soft law")
 {
-    for (const ContactLaw law : {ContactLaw::linear, ContactLaw::hertz})
+    for (const ContactLaw* law : {&contactLaw<LinearSpringDashpot>, &contactLaw<HertzMindlin>})
     {
         const auto materials = grains(0.9, 0.3);
-        const ImpactLaw impact(law, materials, 0, 0);
-        const laws::Coefficients c = law == ContactLaw::linear
-            ? laws::linear(1e12, 2.0/7, 0.9)
-            : laws::hertz(laws::effectiveYoung(1e16, .3, 1e16, .3), 1, 0.9);
-        const double expected = law == ContactLaw::linear
-            ? laws::linearContactTime(1e12, 1e-5, 0.9)
-            : laws::hertzContactTime(c.stiffness, 1e-3, 1e-5, 2);
+        const ImpactLaw impact = impactLaw(*law, materials);
+        const laws::Coefficients c = LawTable(*law, materials)(0, 0);
+        const double expected = law->contactTime(c, 1e-3, 1e-5, 2);
         CHECK(impact.duration(1e-5, 1e-3, 2) == near(expected, 0.03));
     }
 }
@@ -213,12 +214,12 @@ TEST_CASE("impact: what one impulse cannot stand for is left to the soft law")
     PairProperties sticky = materials.pair(0, 0);
     sticky.cohesion = 1e4;
     materials.setPair(0, 0, sticky);
-    CHECK_FALSE(ImpactLaw(ContactLaw::hertz, materials, 0, 0).applies());
+    CHECK_FALSE(impactLaw(contactLaw<HertzMindlin>, materials).applies());
     sticky.cohesion = 0;
     materials.setPair(0, 0, sticky);
-    CHECK_FALSE(ImpactLaw(ContactLaw::springSliderDashpot, materials, 0, 0).applies());
+    CHECK_FALSE(impactLaw(contactLaw<SpringSliderDashpot>, materials).applies());
     sticky.friction = 0, sticky.exponent = 1;
     materials.setPair(0, 0, sticky);
-    CHECK_FALSE(ImpactLaw(ContactLaw::springSliderDashpot, materials, 0, 0).applies());
-    CHECK(ImpactLaw(ContactLaw::hertz, materials, 0, 0).applies());
+    CHECK_FALSE(impactLaw(contactLaw<SpringSliderDashpot>, materials).applies());
+    CHECK(impactLaw(contactLaw<HertzMindlin>, materials).applies());
 }

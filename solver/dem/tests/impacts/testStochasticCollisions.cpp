@@ -50,7 +50,7 @@ void add(Particles& all, const Kind& kind, std::uint32_t seed)
 Settings periodicBox(double width)
 {
     Settings settings;
-    settings.law = ContactLaw::linear;
+    settings.law = &contactLaw<LinearSpringDashpot>;
     for (int axis = 0; axis < 3; ++axis) settings.box.periodic[axis] = true;
     settings.box.high = {width, width, width};
     return settings;
@@ -148,7 +148,7 @@ struct Crowd
     Crowd(double height, double number)
     {
         constexpr double radius = 0.3e-3;
-        settings.law = ContactLaw::linear;
+        settings.law = &contactLaw<LinearSpringDashpot>;
         settings.box.periodic[0] = settings.box.periodic[1] = true;
         settings.box.high = {height, height, 2*height};
         materials.add({"grain", 1e7, 0.3});

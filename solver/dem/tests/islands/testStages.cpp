@@ -234,7 +234,7 @@ TEST_CASE("island stepper: equal elastic spheres exchange their velocities at th
 {
     Stages stages;
     const ContactMaterials materials = elasticGrain();
-    const ImpactTable laws(stages.settings.law, materials);
+    const ImpactLaws laws(stages.settings, materials);
     IslandStepper stepper(stages.settings, materials, stages.walls, laws,
                           [](const Particles&) { return 1e-6; });
     const std::vector<ParticleState> start{sphere(1, {}, {1, 0, 0}), sphere(2, {0.9, 0, 0}, {}),
@@ -253,9 +253,9 @@ TEST_CASE("island stepper: equal elastic spheres exchange their velocities at th
 TEST_CASE("island stepper: spheres that touch from before take the soft law and part")
 {
     Stages stages;
-    stages.settings.law = ContactLaw::linear;
+    stages.settings.law = &contactLaw<LinearSpringDashpot>;
     const ContactMaterials materials = elasticGrain();
-    const ImpactTable laws(stages.settings.law, materials);
+    const ImpactLaws laws(stages.settings, materials);
     IslandStepper stepper(stages.settings, materials, stages.walls, laws,
                           [](const Particles&) { return 2e-6; });
     stages.history = SortedContacts({{1, 2, false, {}}});
@@ -275,7 +275,7 @@ TEST_CASE("path check: who is hit by a path that an impact has changed, and nobo
 {
     Stages stages;
     const ContactMaterials materials = elasticGrain();
-    const ImpactTable laws(stages.settings.law, materials);
+    const ImpactLaws laws(stages.settings, materials);
     IslandStepper stepper(stages.settings, materials, stages.walls, laws,
                           [](const Particles&) { return 1e-6; });
     const std::vector<ParticleState> start{

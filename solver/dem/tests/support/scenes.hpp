@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/Engine.hpp"
+#include "laws/LawList.hpp"
 
 #include <cmath>
 

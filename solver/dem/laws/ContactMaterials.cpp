@@ -1,4 +1,6 @@
-#include "laws/Settings.hpp"
+#include "laws/ContactMaterials.hpp"
+
+#include "core/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,19 +8,6 @@
 
 namespace elutria::dem
 {
-
-namespace
-{
-
-void require(bool allowed, const std::string& what, double value, const std::string& range)
-{
-    if (!allowed)
-    {
-        throw std::invalid_argument(what + " is " + std::to_string(value) + "; allowed: " + range);
-    }
-}
-
-} // namespace
 
 std::uint32_t ContactMaterials::add(const ContactMaterial& material)
 {

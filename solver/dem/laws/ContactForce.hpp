@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/Vector3.hpp"
-#include "laws/laws.hpp"
+#include "laws/ForceForm.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,13 +26,13 @@ struct Encounter
     double overlap;       // m, negative when apart
     Vector3 slip;         // m/s, velocity of first against second where they touch
     double radius, mass;  // effective, m and kg
-    Vector3 turning = {}; // 1/s, rate of change of the normal
+    Vector3 normalRate = {};   // 1/s, rate of change of the normal
 };
 
 /// What lasts from one evaluation to the next.
 struct ContactHistory
 {
-    Vector3 tangential;      // m, elastic displacement of first against second
+    Vector3 displacement;    // m, elastic tangential displacement of first against second
     bool touching = false;
 };
 
@@ -44,49 +44,63 @@ struct ContactForce
     Vector3 tangential;
 };
 
+namespace laws
+{
+
+/// Weight of a dashpot force ~ overlap^p in the first step of a contact that touched during the
+/// fraction `theta` of that step, so that the sum over steps keeps second order:
+/// -zeta(-p, 1 + theta) with Hurwitz' zeta function, that is 1/2 + theta for p = 0 (a dashpot that
+/// `jumps`); for p = 1/4 (Hertz) a Chebyshev fit good to 1e-4. It multiplies the force at an overlap
+/// of one whole step, so it stands for theta^p and its quadrature correction together.
+inline double onsetWeight(double theta, bool jumps)
+{
+    return jumps ? 0.5 + theta
+                 : 0.3203419 + theta*(0.8638905 + theta*(0.1641759 - theta*0.0280252));
+}
+
+} // namespace laws
+
 /// Dashpot force in the first step of a contact or the step after its last, N. A dashpot's force
-/// sets in with a jump (linear) or a root (Hertz) at a moment inside the step; weighting it by the
+/// sets in with a jump (linear) or a root (Hertz) at a time inside the step; weighting it by the
 /// part of the step during which it acts keeps second order. See laws::onsetWeight.
-template<ContactLaw law>
+template<class Law>
 inline double transitionDashpot(const laws::Coefficients& c, const Encounter& e, double approach,
                                 StepWeights w)
 {
-    constexpr bool hertzian = law != ContactLaw::linear;
     const double h = w.step(), travel = h*std::abs(approach);
     if (!(travel > 0)) return 0;
     const bool onset = e.overlap > 0;
     const double theta = std::clamp((onset ? 0 : 1) + e.overlap/travel, 0.0, 1.0);
-    const double sample = hertzian ? std::sqrt(std::sqrt(theta)) : 1;
-    const double weight = laws::onsetWeight(theta, hertzian)*h
+    const double sample = Law::dashpotJumps ? 1 : std::sqrt(std::sqrt(theta));
+    const double weight = laws::onsetWeight(theta, Law::dashpotJumps)*h
                           + sample*(onset ? w.after - 0.5*h : -h);
-    const double dashpot = c.damping*std::sqrt(laws::stiffness<law>(c, e.radius, travel)*e.mass);
+    const double dashpot = c.damping*std::sqrt(Law::stiffness(c, e.radius, travel)*e.mass);
     return -dashpot*approach*weight/(w.before + w.after);
 }
 
 /// Force of one contact, also in the step in which it begins or ends; advances its history.
-template<ContactLaw law>
+template<class Law>
 inline ContactForce contactForce(const laws::Coefficients& c, const Encounter& e,
                                  ContactHistory& history, StepWeights w)
 {
     const double approach = dot(e.slip, e.normal);      // negative while closing
     const bool onset = e.overlap > 0 && !history.touching && w.before > 0 && approach < 0;
     const bool end = e.overlap <= 0 && history.touching && w.before > 0 && approach > 0;
-    const double transition = onset || end ? transitionDashpot<law>(c, e, approach, w) : 0;
+    const double transition = onset || end ? transitionDashpot<Law>(c, e, approach, w) : 0;
     if (e.overlap <= 0)
     {
         history = {};
         return {transition, 0, {}};
     }
     const double touched = !onset ? 1 : std::min(1.0, -e.overlap/(approach*w.step()));
-    const Vector3 &n = e.normal, &v = e.slip, &t = e.turning, &s = history.tangential;
-    const laws::Touch<double> touch{
-        {n.x, n.y, n.z}, {v.x, v.y, v.z}, {t.x, t.y, t.z}, {s.x, s.y, s.z},
+    const Vector3 &n = e.normal, &v = e.slip, &r = e.normalRate, &d = history.displacement;
+    const laws::Kinematics<double> kinematics{
+        {n.x, n.y, n.z}, {v.x, v.y, v.z}, {r.x, r.y, r.z}, {d.x, d.y, d.z},
         e.overlap, e.radius, e.mass, onset ? 2*touched*w.before : w.before, w.after};
-    const laws::Push<double> p = law == ContactLaw::springSliderDashpot && c.exponent != 1.5
-        ? laws::push<law, true>(c, touch) : laws::push<law>(c, touch);
-    history = {{p.stretch.x, p.stretch.y, p.stretch.z}, true};
-    return {onset ? p.normal + p.dashpot*approach + transition : p.normal, p.elastic,
-            {p.tangential.x, p.tangential.y, p.tangential.z}};
+    const laws::Force<double> f = Law::force(c, kinematics);
+    history = {{f.displacement.x, f.displacement.y, f.displacement.z}, true};
+    return {onset ? f.normal + f.dashpot*approach + transition : f.normal, f.elastic,
+            {f.tangential.x, f.tangential.y, f.tangential.z}};
 }
 
 /// Torque on first that resists rolling, N m: coefficient x elastic force x effective radius against
