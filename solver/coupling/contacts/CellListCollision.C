@@ -92,6 +92,8 @@ void CellListCollision<CloudType>::collide()
     elutria::dem::Particles all = particles();
     const scalar dt = this->owner().time().deltaTValue();
 
+    moveWalls();
+
     // Forces come back in the columns of velocity and spin
     ParticleExchange::onMaster
     (
