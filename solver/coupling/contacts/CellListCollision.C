@@ -33,7 +33,7 @@ elutria::dem::Particles CellListCollision<CloudType>::particles() const
         all.spin.push_back(toEngine(p.omega()));
     }
     const size_t n = all.size();
-    all.number.assign(n, 1);
+    all.statisticalWeight.assign(n, 1);
     all.solidFraction.assign(n, 0);
     all.dragRate.assign(n, 0);
     all.gasVelocity.assign(n, {});
