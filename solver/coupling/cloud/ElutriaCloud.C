@@ -80,6 +80,7 @@ void ElutriaCloud::advanceParticles(const scalar dt)
     }
 
     string trouble;
+    contacts_->moveWalls();
     ParticleExchange::onMaster
     (
         parcels_.particles,

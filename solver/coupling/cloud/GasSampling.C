@@ -45,7 +45,7 @@ void StepParcels::resize(const size_t n)
     all.material.resize(n);
     all.radius.resize(n);
     all.mass.resize(n);
-    all.number.resize(n);
+    all.statisticalWeight.resize(n);
     all.dragRate.resize(n);
     for
     (
@@ -187,7 +187,7 @@ void GasSampling::sample
     all.material[i] = contacts_ ? contacts_->material(p) : 0;
     all.radius[i] = 0.5*p.d();
     all.mass[i] = mass;
-    all.number[i] = p.nParticle();
+    all.statisticalWeight[i] = p.nParticle();
     all.dragRate[i] = rate;
     all.position.set(i, toEngine(step.starts[i]));
     all.velocity.set(i, toEngine(startVelocity));
@@ -263,7 +263,7 @@ void GasSampling::findSolidFractions(elutria::dem::Particles& all) const
 
     const bool weighted = std::any_of
     (
-        all.number.begin(), all.number.end(),
+        all.statisticalWeight.begin(), all.statisticalWeight.end(),
         [](const double number) { return number != 1; }
     );
     if (!contacts_ || !returnReduce(weighted, orOp<bool>()))
@@ -324,7 +324,7 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
     );
 
     step.resize(cloud_.size());
-    step.particles.moment = cloud_.time().timeIndex();
+    step.particles.stepIndex = cloud_.time().timeIndex();
     size_t i = 0;
     for (StockParcel& p : cloud_)
     {

@@ -33,7 +33,7 @@ elutria::dem::Particles CellListCollision<CloudType>::particles() const
         all.spin.push_back(toEngine(p.omega()));
     }
     const size_t n = all.size();
-    all.number.assign(n, 1);
+    all.statisticalWeight.assign(n, 1);
     all.solidFraction.assign(n, 0);
     all.dragRate.assign(n, 0);
     all.gasVelocity.assign(n, {});
@@ -91,6 +91,8 @@ void CellListCollision<CloudType>::collide()
 {
     elutria::dem::Particles all = particles();
     const scalar dt = this->owner().time().deltaTValue();
+
+    moveWalls();
 
     // Forces come back in the columns of velocity and spin
     ParticleExchange::onMaster

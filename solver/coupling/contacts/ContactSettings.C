@@ -7,6 +7,7 @@
 
 #include "contacts/ContactSettings.H"
 #include "contacts/SymmetryWalls.H"
+#include "contacts/WallMotion.H"
 #include "foam/foamVersion.H"
 #include "foam/engineVectors.H"
 #include "laws/LawList.hpp"
@@ -15,6 +16,7 @@
 #include "Enum.H"
 #include "SubField.H"
 #include "wallPolyPatch.H"
+#include "volFields.H"
 
 #include <stdexcept>
 
@@ -265,9 +267,10 @@ ContactSettings::ContactSettings
     const dictionary& subModels,
     const dictionary& constants,
     const wordList& particleNames,
-    const polyMesh& mesh
+    const volVectorField& U
 )
 {
+    const polyMesh& mesh = U.mesh();
     const wordList wallNames(wallPatchNames(mesh));
     settings.box = periodicBox(mesh);
 
@@ -290,7 +293,7 @@ ContactSettings::ContactSettings
     try
     {
         materials.check();
-        walls = collectWalls(mesh, particleNames.size(), settings.box, false);
+        walls = collectWalls(U, particleNames.size(), settings.box, false);
     }
     catch (const std::invalid_argument& error)
     {
@@ -302,10 +305,14 @@ ContactSettings::ContactSettings
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
-void ContactSettings::addSymmetryWalls(const label nParticle, const polyMesh& mesh)
+void ContactSettings::addSymmetryWalls
+(
+    const label nParticle,
+    const volVectorField& U
+)
 {
-    addSymmetryMaterial(materials, nParticle, mesh);
-    walls = collectWalls(mesh, nParticle, settings.box, true);
+    addSymmetryMaterial(materials, nParticle, U.mesh());
+    walls = collectWalls(U, nParticle, settings.box, true);
 }
 
 
@@ -327,18 +334,24 @@ wordList wallPatchNames(const polyMesh& mesh)
 
 elutria::dem::Walls collectWalls
 (
-    const polyMesh& mesh,
+    const volVectorField& U,
     const uint32_t firstMaterial,
     const elutria::dem::PeriodicBox& box,
     const bool symmetryPlanes
 )
 {
-    // Own wall faces, triangulated as the tracking does; nine numbers and the
-    // wall's index a triangle
+    const polyMesh& mesh = U.mesh();
+
+    // Own wall faces, triangulated as the tracking does; nine numbers, the
+    // wall's and the face's index a triangle (-1: a plane of symmetry)
     List<pointField> corners(Pstream::nProcs());
     List<labelList> wallOf(Pstream::nProcs());
+    List<labelList> faceOf(Pstream::nProcs());
+    labelList faces(Pstream::nProcs(), 0);
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
+    DynamicList<label> ownFace;
+    label& nFaces = faces[Pstream::myProcNo()];
 
     const label symmetry = wallPatchNames(mesh).size();
     label walls = 0;
@@ -351,6 +364,7 @@ elutria::dem::Walls collectWalls
         const label wall = isSymmetry(patch) ? symmetry : walls++;
         for (const face& f : patch)
         {
+            const label facei = wall == symmetry ? -1 : nFaces++;
             faceList triangles(f.nTriangles());
             label n = 0;
             f.triangles(mesh.points(), n, triangles);
@@ -361,17 +375,27 @@ elutria::dem::Walls collectWalls
                     ownCorners.append(mesh.points()[pointi]);
                 }
                 ownWall.append(wall);
+                ownFace.append(facei);
             }
         }
     }
     corners[Pstream::myProcNo()] = ownCorners;
     wallOf[Pstream::myProcNo()] = ownWall;
     Pstream::gatherList(corners);
+    faceOf[Pstream::myProcNo()] = ownFace;
     Pstream::gatherList(wallOf);
+    Pstream::gatherList(faceOf);
+    Pstream::gatherList(faces);
 
     elutria::dem::WallGeometry geometry;
+    const bool moves = anyWallMoves(U);
+    if (moves)
+    {
+        geometry.motions = wallMotions(U);
+    }
     if (Pstream::master())
     {
+        label firstFace = 0;
         // Triangles share points, across processors too
         HashTable<uint32_t, point, Hash<point>> known;
         forAll(corners, proci)
@@ -394,7 +418,17 @@ elutria::dem::Walls collectWalls
                 (
                     firstMaterial + wallOf[proci][i]
                 );
+                if (moves)
+                {
+                    const label facei = faceOf[proci][i];
+                    geometry.motion.push_back
+                    (
+                        facei < 0 ? geometry.motions.size() - 1
+                      : firstFace + facei
+                    );
+                }
             }
+            firstFace += faces[proci];
         }
     }
     return elutria::dem::Walls(std::move(geometry), box);

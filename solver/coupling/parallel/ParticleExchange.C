@@ -46,7 +46,7 @@ std::vector<std::vector<double>*> columns(Particles& p, const bool back)
         for
         (
             auto* column :
-            {&p.radius, &p.mass, &p.number, &p.solidFraction, &p.dragRate}
+            {&p.radius, &p.mass, &p.statisticalWeight, &p.solidFraction, &p.dragRate}
         )
         {
             list.push_back(column);
@@ -128,7 +128,7 @@ void ParticleExchange::onMaster
     if (Pstream::master())
     {
         Particles all;
-        all.moment = local.moment;
+        all.stepIndex = local.stepIndex;
         for (label proci = 0; proci < Pstream::nProcs(); ++proci)
         {
             const size_t first = all.size();

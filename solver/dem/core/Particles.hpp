@@ -40,10 +40,10 @@ struct Particles
     VectorArray position, velocity, spin;  // m, m/s, rad/s
 
     // Particles that each sphere stands for (see weights.hpp); empty: one
-    std::vector<double> number;
+    std::vector<double> statisticalWeight;
 
     // Another one in every step: what those meet by chance depends on it
-    std::uint64_t moment = 0;
+    std::uint64_t stepIndex = 0;
 
     // Volume fraction of the solids around each sphere, for spheres of several particles, which take
     // no room from each other; empty: none

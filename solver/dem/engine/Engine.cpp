@@ -64,7 +64,7 @@ void checkLengths(const Particles& p)
                             Column{"position", p.position.size(), false},
                             Column{"velocity", p.velocity.size(), false},
                             Column{"spin", p.spin.size(), false},
-                            Column{"number", p.number.size(), true},
+                            Column{"statisticalWeight", p.statisticalWeight.size(), true},
                             Column{"solidFraction", p.solidFraction.size(), true},
                             Column{"dragRate", p.dragRate.size(), true},
                             Column{"gasVelocity", p.gasVelocity.size(), true},
@@ -106,8 +106,8 @@ void check(const Particles& p, std::size_t materials)
             throw std::invalid_argument(of("position, velocity or spin") + " is not finite");
         if (!p.dragRate.empty() && !(p.dragRate[i] >= 0 && std::isfinite(p.dragRate[i])))
             refuse("dragRate", p.dragRate[i], "0 1/s or more");
-        if (!p.number.empty() && !(p.number[i] > 0 && std::isfinite(p.number[i])))
-            refuse("number", p.number[i], "above 0");
+        if (!p.statisticalWeight.empty() && !(p.statisticalWeight[i] > 0 && std::isfinite(p.statisticalWeight[i])))
+            refuse("statisticalWeight", p.statisticalWeight[i], "above 0");
     }
     require(largest <= mostSizeRatio*smallest,
             "radius ratio of largest and smallest particle", largest/smallest,

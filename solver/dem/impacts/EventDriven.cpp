@@ -284,7 +284,7 @@ void EventDriven::collideStochastically(const Event& event)
     const Vector3 passing = bodyA.velocity - bodyB.velocity;
     const bool hit = norm(passing) > 0
         && collide(bodyA, bodyB, randomNormal(passing, stream), laws_.pairs(ta.material, tb.material));
-    const bool hitsA = hit && chance*factor < tb.number, hitsB = hit && chance*factor < ta.number;
+    const bool hitsA = hit && chance*factor < tb.weight, hitsB = hit && chance*factor < ta.weight;
     const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {
         changed(member, after);

@@ -14,7 +14,7 @@ struct ParticleState
     std::uint64_t id = 0;
     std::uint32_t material = 0;
     double radius = 0, mass = 0;   // m, kg
-    double number = 1;             // statistical weight: particles that it stands for
+    double weight = 1;             // statistical: particles that it stands for
     double reach = 0;              // m: the radius, or the range of stochastic collisions
     double enskogFactor = 1;       // g0: collision rate over that of a dilute cloud
     Flight flight;

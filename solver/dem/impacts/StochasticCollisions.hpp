@@ -40,22 +40,22 @@ inline double contactCorrelation(double solidFraction)
 
 inline bool isWeighted(const ParticleState& a, const ParticleState& b)
 {
-    return a.number != 1 || b.number != 1;
+    return a.weight != 1 || b.weight != 1;
 }
 
 /// By how much a pair's cross-section is larger than its spheres', in a dilute cloud.
 inline double crossSectionFactor(const ParticleState& a, const ParticleState& b)
 {
-    return std::max(a.number, b.number);
+    return std::max(a.weight, b.weight);
 }
 
 /// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
 /// One of few, hit several times a passage by those of many, takes a little less from them; if it
 /// reached further it would meet across the layers of a dense feed.
-inline double collisionReach(double radius, double number)
+inline double collisionReach(double radius, double weight)
 {
-    constexpr double least = 2, most = 128;      // of the number: 2 to 16 radii
-    return radius*std::sqrt(2*std::clamp(number, least, most));
+    constexpr double least = 2, most = 128;      // of the weight: 2 to 16 radii
+    return radius*std::sqrt(2*std::clamp(weight, least, most));
 }
 
 /// Another number for every number, with no pattern left (the mixing of MurmurHash3).

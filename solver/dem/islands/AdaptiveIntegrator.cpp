@@ -72,7 +72,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
     while (done < whole)
     {
         length = std::min(length, whole - done);
-        const std::uint64_t seed = scrambled(scrambled(particles.moment) + std::uint64_t(done));
+        const std::uint64_t seed = scrambled(scrambled(particles.stepIndex) + std::uint64_t(done));
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
         switch (advancePiece(duration*length/whole, seed, mayCut, report))
         {

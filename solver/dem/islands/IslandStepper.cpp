@@ -85,7 +85,7 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
     Particles& p = gathered_;
     const std::size_t n = members.size();
     p.id.resize(n), p.material.resize(n), p.radius.resize(n), p.mass.resize(n);
-    p.dragRate.resize(n), p.number.resize(n);
+    p.dragRate.resize(n), p.statisticalWeight.resize(n);
     for (VectorArray* array :
          {&p.position, &p.velocity, &p.spin, &p.gasVelocity, &p.acceleration, &p.dragImpulse})
         array->resize(n);
@@ -94,7 +94,7 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
         const ParticleState& t = members[i];
         p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
         p.dragRate[i] = t.flight.rate;
-        p.number[i] = t.number;
+        p.statisticalWeight[i] = t.weight;
         p.position.set(i, t.flight.position);
         p.velocity.set(i, t.flight.velocity);
         p.spin.set(i, t.spin);

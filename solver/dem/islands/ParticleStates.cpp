@@ -26,7 +26,7 @@ void ParticleStates::load(const Particles& p)
         ParticleState& s = all_[i];
         s.id = p.id[k], s.material = p.material[k], s.mass = p.mass[k];
         s.radius = s.reach = p.radius[k];
-        s.number = p.number.empty() ? 1 : p.number[k];
+        s.weight = p.statisticalWeight.empty() ? 1 : p.statisticalWeight[k];
         s.spin = p.spin[k];
         s.force = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
         s.gasVelocity = p.gasVelocity.empty() ? Vector3{} : p.gasVelocity[k];
@@ -39,7 +39,7 @@ void ParticleStates::load(const Particles& p)
             throw std::invalid_argument("particle id " + std::to_string(all_[i].id)
                                         + " is given twice; allowed: once");
     weighted_ = std::any_of(all_.begin(), all_.end(),
-                            [](const ParticleState& s) { return s.number != 1; });
+                            [](const ParticleState& s) { return s.weight != 1; });
     if (weighted_) prepareStochasticCollisions(p);
 }
 
@@ -54,7 +54,7 @@ void ParticleStates::prepareStochasticCollisions(const Particles& p)
     for (std::size_t i = 0; i < all_.size(); ++i)
     {
         ParticleState& s = all_[i];
-        s.reach = std::max(s.radius, std::min(collisionReach(s.radius, s.number), room));
+        s.reach = std::max(s.radius, std::min(collisionReach(s.radius, s.weight), room));
         if (!p.solidFraction.empty())
             s.enskogFactor = contactCorrelation(p.solidFraction[order_[i]]);
     }

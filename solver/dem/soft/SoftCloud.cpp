@@ -35,8 +35,8 @@ double SoftCloud::load(const Particles& p, double step)
     const bool oneMaterial = std::all_of(p.material.begin(), p.material.end(),
                                          [](std::uint32_t m) { return m == 0; });
     materials.resize(oneMaterial ? 0 : n);
-    const bool real = std::all_of(p.number.begin(), p.number.end(),
-                                  [](double number) { return number == 1; });
+    const bool real = std::all_of(p.statisticalWeight.begin(), p.statisticalWeight.end(),
+                                  [](double weight) { return weight == 1; });
     weighted.resize(real ? 0 : n);
     smallest = 1e300, largest = 0, mean = 0;
     Vector3 velocities;
@@ -56,7 +56,7 @@ double SoftCloud::load(const Particles& p, double step)
         bases[i] = {v.x, v.y, v.z, 1/p.mass[k], s.x, s.y, s.z, radius};
         loads[i] = {};
         if (!oneMaterial) materials[i] = std::uint8_t(p.material[k]);
-        if (!real) weighted[i] = p.number[k] != 1;
+        if (!real) weighted[i] = p.statisticalWeight[k] != 1;
         smallest = std::min(smallest, radius);
         largest = std::max(largest, radius);
         mean += radius/double(n);

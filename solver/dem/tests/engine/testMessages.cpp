@@ -66,8 +66,8 @@ TEST_CASE("a value of a particle that is not allowed")
     p.material[0] = 3;
     CHECK(refusal(p) == "material of particle 1 is 3; allowed: 0 to 0");
     p = grains(2);
-    p.number = {1, 0};
-    CHECK(refusal(p) == "number of particle 2 is 0; allowed: above 0");
+    p.statisticalWeight = {1, 0};
+    CHECK(refusal(p) == "statisticalWeight of particle 2 is 0; allowed: above 0");
     p = grains(2);
     p.dragRate = {1, -1e-8};
     CHECK(refusal(p) == "dragRate of particle 2 is -1e-08; allowed: 0 1/s or more");
@@ -89,7 +89,7 @@ TEST_CASE("a column too short is named, for every column")
     check("position", "3", [](Particles& p) { p.position.resize(2); });
     check("velocity", "3", [](Particles& p) { p.velocity.resize(2); });
     check("spin", "3", [](Particles& p) { p.spin.resize(2); });
-    check("number", "3 or 0", [](Particles& p) { p.number.resize(2, 1); });
+    check("statisticalWeight", "3 or 0", [](Particles& p) { p.statisticalWeight.resize(2, 1); });
     check("solidFraction", "3 or 0", [](Particles& p) { p.solidFraction.resize(2); });
     check("dragRate", "3 or 0", [](Particles& p) { p.dragRate.resize(2); });
     check("gasVelocity", "3 or 0", [](Particles& p) { p.gasVelocity.resize(2); });

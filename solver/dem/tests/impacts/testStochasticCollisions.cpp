@@ -39,7 +39,7 @@ void add(Particles& all, const Kind& kind, std::uint32_t seed)
         all.material.push_back(0);
         all.radius.push_back(kind.radius);
         all.mass.push_back(mass);
-        all.number.push_back(kind.number);
+        all.statisticalWeight.push_back(kind.number);
         all.position.push_back({place(random), place(random), place(random)});
         all.velocity.push_back(kind.velocity);
         all.spin.push_back({});
@@ -79,12 +79,12 @@ Result meet(const Kind& heavy, const Kind& light, std::uint32_t seed)
     PairProperties pair;
     pair.restitution = 0.8, pair.friction = 0.2, pair.normalStiffness = 1e3;
     Engine engine(periodicBox(side), scenes::oneMaterial(pair));
-    for (; all.moment < steps; ++all.moment) engine.advance(all, duration/steps);
+    for (; all.stepIndex < steps; ++all.stepIndex) engine.advance(all, duration/steps);
 
     Result result{};
     for (std::size_t i = 0; i < all.size(); ++i)
     {
-        const double mass = all.number[i]*all.mass[i];
+        const double mass = all.statisticalWeight[i]*all.mass[i];
         const Vector3 v = all.velocity[i];
         (i < first ? result.heavyMomentum : result.lightMomentum) += mass*v.x;
         if (i >= first) result.lightEnergy += 0.5*mass*squaredNorm(v);
@@ -167,7 +167,7 @@ struct Crowd
                                     lies ? radius*0.999 : radius + place(random)}, radius, 2500);
             if (!lies) all.velocity.set(i, {speed(random), speed(random), speed(random)});
         }
-        all.number.assign(all.size(), number);
+        all.statisticalWeight.assign(all.size(), number);
         all.acceleration.assign(all.size(), {0, 0, -9.81});
     }
 
@@ -184,7 +184,7 @@ TEST_CASE("spheres of many particles that crowd do not take each other into cont
 {
     Crowd crowd(0.02, 16);      // 2 % solids; meetings join all
     std::size_t soft = 0;
-    for (; crowd.all.moment < 5; ++crowd.all.moment)
+    for (; crowd.all.stepIndex < 5; ++crowd.all.stepIndex)
         soft += crowd.engine->advance(crowd.all, 1e-3).softParticles;
     CHECK(soft < 500);
 }
@@ -195,7 +195,7 @@ TEST_CASE("spheres that pass through each other get no energy from contact steps
     Crowd crowd(0.012, 0.25);       // 10 % solids
     const double before = crowd.fastest();
     std::size_t soft = 0;
-    for (; crowd.all.moment < 5; ++crowd.all.moment)
+    for (; crowd.all.stepIndex < 5; ++crowd.all.stepIndex)
         soft += crowd.engine->advance(crowd.all, 1e-3).softParticles;
     REQUIRE(soft > 10);
     CHECK(crowd.fastest() < 1.2*before);
@@ -234,12 +234,12 @@ double passedOn(double number, double solidFraction, unsigned runs)
             const double turn = 200*place(random)/width;
             all.velocity.set(all.size() - 1, {std::cos(turn), std::sin(turn), std::sin(7*turn)});
         }
-        all.number.assign(all.size(), number);
+        all.statisticalWeight.assign(all.size(), number);
         all.solidFraction.assign(all.size(), solidFraction);
-        for (; all.moment < 100; ++all.moment) engine.advance(all, 1e-4);
+        for (; all.stepIndex < 100; ++all.stepIndex) engine.advance(all, 1e-4);
         all.velocity.assign(all.size(), {});
         for (std::size_t i = 1; i < all.size(); i += 2) all.velocity.set(i, {0, 0, 1});
-        for (; all.moment < 110; ++all.moment) engine.advance(all, 0.5e-4);
+        for (; all.stepIndex < 110; ++all.stepIndex) engine.advance(all, 0.5e-4);
         for (std::size_t i = 0; i < all.size(); i += 2) momentum += number*mass*all.velocity[i].z;
     }
     return momentum/runs;
