@@ -43,7 +43,7 @@ const ContactLaw& readLaw(const dictionary& dict)
         wordList allowed;
         for (const ContactLaw* law : ContactLaws::laws)
         {
-            if (word::valid(law->name))
+            if (string::valid<word>(law->name))
             {
                 allowed.append(law->name);
             }
