@@ -295,8 +295,9 @@ def test_every_word_that_an_entry_may_be_is_in_the_manual() -> None:
         if READ.search(text):
             asked |= set(re.findall(r'[!=]= "([A-Za-z]\w+)"', text))
             asked |= set(re.findall(r'\{\w+::\w+, "(\w+)"\}', text))
-    laws = [re.findall(r'char\* name = "(\w+)"', text) for text in texts().values()]
-    asked |= {name for names in laws for name in names}
+    for file in (ROOT / "solver").glob("*/laws/*.[Hh]*"):
+        asked |= set(re.findall(r'char\* name = "(\w+)"', file.read_text()))
+    assert {"hertzMindlin", "SchillerNaumannDrag"} <= asked
     assert len(asked) > 30
     assert asked - told == set()
 
