@@ -20,7 +20,6 @@ from pathlib import Path
 
 import pytest
 
-from elutria.classification.events import COLUMNS
 from elutria_validation.harness.common import run_program
 from elutria_validation.harness.scene import (
     BOX,
@@ -85,7 +84,7 @@ def outcome(case: Path) -> tuple[list[str], bytes, bytes]:
     rows = []
     for table in sorted(tables, key=lambda path: float(path.parent.name)):
         head, *lines = table.read_text().splitlines()
-        assert head == ",".join(COLUMNS)
+        assert head == ",".join(tables.EVENTS)
         rows += lines
     inside, ledger = (case / "postProcessing" / n for n in ("inside.csv", "ledger.json"))
     return rows, inside.read_bytes(), ledger.read_bytes()

@@ -14,10 +14,9 @@ import sys
 import time
 from pathlib import Path
 
-COLUMNS = (
-    "time_s,outlet,material,id,diameter_m,density_kg_m3,n_particle,"
-    "ux_m_s,uy_m_s,uz_m_s,residence_time_s\n"
-)
+from elutria import tables
+
+HEADER = ",".join(tables.EVENTS) + "\n"
 
 
 def parameter(name: str) -> float:
@@ -67,8 +66,8 @@ def main() -> int:
         return 0
     folder = Path("postProcessing/outlets/0")
     folder.mkdir(parents=True)
-    (folder / "particles.csv").write_text(COLUMNS + "".join(row for row, _, _ in rows))
-    Path("postProcessing/inside.csv").write_text(COLUMNS + "".join(row for row, _, _ in inside))
+    (folder / "particles.csv").write_text(HEADER + "".join(row for row, _, _ in rows))
+    Path("postProcessing/inside.csv").write_text(HEADER + "".join(row for row, _, _ in inside))
 
     def amount(entries):
         mass = sum(2650 * math.pi / 6 * d**3 for _, _, d in entries)

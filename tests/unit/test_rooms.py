@@ -6,17 +6,14 @@ import ast
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "tools/elutria"
-BELOW = {
-    "errors": set(),
-    "files": {"errors"},
-    "openfoam": {"errors", "files"},
-    "physics": {"errors", "files", "openfoam"},
-    "case": {"errors", "files", "openfoam", "physics"},
-    "estimates": {"errors", "files", "openfoam", "physics", "case"},
-    "classification": {"errors", "files"},
-    "running": {"errors", "files", "openfoam", "physics", "case", "estimates", "classification"},
-    "output": {"errors", "files", "openfoam", "physics", "case", "estimates", "classification"},
-}
+BELOW: dict[str, set[str]] = {"errors": set(), "tables": set(), "files": {"errors"}}
+BELOW["openfoam"] = {"errors", "files"}
+BELOW["physics"] = {"errors", "files", "openfoam"}
+BELOW["case"] = {"errors", "files", "openfoam", "physics"}
+BELOW["estimates"] = {"errors", "files", "tables", "openfoam", "physics", "case"}
+BELOW["classification"] = {"errors", "files", "tables"}
+BELOW["running"] = BELOW["estimates"] | {"estimates", "classification"}
+BELOW["output"] = BELOW["running"]
 """What each room of the product may import besides itself; `cli` may import all."""
 
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_the_product_passes_mypy() -> None:
     command = [
         sys.executable, "-m", "mypy", "--config-file", "tools/pyproject.toml",
-        "--cache-dir", "build/mypy", "--exclude", "elutria/(bench|verification)/", "tools/elutria",
+        "--cache-dir", "build/mypy", "tools/elutria",
     ]  # fmt: skip
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

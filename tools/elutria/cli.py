@@ -33,6 +33,8 @@ app = typer.Typer(
 console = Console()
 errors = Console(stderr=True)
 state = {"debug": False}
+INTERRUPTED = 130
+"""What typer makes of Ctrl-C."""
 
 CaseArgument = Annotated[Path, typer.Argument(help="Folder of an OpenFOAM case.")]
 SetOption = Annotated[
@@ -111,6 +113,7 @@ def sweep(
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
     from elutria.running.sweep import parse_velocities, plan, run_sweep
+    from elutria.running.worker import local_executor
 
     source = Case(case)
     velocities = parse_velocities(velocity)
@@ -121,8 +124,8 @@ def sweep(
         raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
     jobs = jobs or max(1, len(os.sched_getaffinity(0)) // np)
     asked = None if precision is None else Precision(precision, most_runs)
-    with _SweepDisplay(len(members)) as display:
-        result = run_sweep(source, folder, members, jobs, np, display, asked)
+    with _SweepDisplay(len(members)) as display, local_executor(jobs) as executor:
+        result = run_sweep(source, folder, members, executor, np, display, asked)
     if result.skipped:
         console.print(f"{result.skipped} runs were finished before", style="dim")
     _show(result.tables)
@@ -273,7 +276,9 @@ def main(arguments: list[str] | None = None) -> None:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     state["debug"] = "--debug" in arguments  # wherever it stands
     try:
-        app([word for word in arguments if word != "--debug"], standalone_mode=False)
+        code = app([word for word in arguments if word != "--debug"], standalone_mode=False)
+        if code == INTERRUPTED:
+            raise KeyboardInterrupt
     except ElutriaError as error:
         _fail(str(error), error.exit_code)
     except (KeyboardInterrupt, typer.Abort):

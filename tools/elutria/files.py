@@ -108,6 +108,16 @@ def _number_or_text(cell: str) -> float | str:
 
 def read_text(path: Path, limit: int = 50_000_000) -> str:
     """Text of a regular file of at most `limit` bytes. Raises InputError naming the file."""
+    with reading(path, limit):
+        return path.read_text(encoding="utf-8")
+
+
+@contextmanager
+def reading(path: Path, limit: int = 50_000_000) -> Iterator[None]:
+    """Turn what keeps a regular file of at most `limit` bytes from being read into one line.
+
+    Raises InputError naming the file.
+    """
     try:
         if not path.exists():
             raise InputError(f"{path}: file not found")
@@ -115,7 +125,7 @@ def read_text(path: Path, limit: int = 50_000_000) -> str:
             raise InputError(f"{path}: is not a regular file")
         if path.stat().st_size > limit:
             raise InputError(f"{path}: is larger than {limit / 1e6:g} MB")
-        return path.read_text(encoding="utf-8")
+        yield
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not a text file (byte {error.start})") from error
     except (OSError, ValueError, RuntimeError) as error:

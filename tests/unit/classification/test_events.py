@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from elutria import tables
 from elutria.classification.events import join, read_run
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import set_entry
@@ -42,6 +44,33 @@ def test_a_whole_run_is_read(finished: Path) -> None:
     assert account.injected[0] == 4_000
     assert abs(account.mass_closure_error) < 1e-12
     assert run.events.mass.sum() == pytest.approx(account.injected[1])
+
+
+def test_a_parcel_takes_few_bytes(finished: Path) -> None:
+    """Names are categories of a byte each: 34 bytes where text of a fixed width took 584."""
+    events = read_run(finished).events
+    assert 34 <= events.nbytes / len(events) < 34.1
+    assert join([read_run(finished)] * 2).events.nbytes < 68.1 * len(events)
+
+
+def test_materials_of_several_files_are_told_apart(finished: Path) -> None:
+    head, *rows = table(finished).read_text().splitlines(keepends=True)
+    later = finished / "postProcessing/outlets/0.5/particles.csv"
+    later.parent.mkdir()
+    table(finished).write_text(head + "".join(rows[:1_000]))
+    later.write_text(head + "".join(rows[1_000:]).replace("quartz", "magnetite"))
+    (finished / "postProcessing/outlets/0.7").mkdir()
+    (finished / "postProcessing/outlets/0.7/particles.csv").write_text(head)
+    events = read_run(finished).events
+    assert len(events.of_material("magnetite")) == len(rows) - 1_000
+    assert len(events.of_material("quartz")) == 1_000 + 20  # those inside
+
+
+def test_the_solver_writes_the_columns_that_are_read() -> None:
+    sources = Path(__file__).resolve().parents[3] / "solver"
+    texts = [file.read_text() for file in sources.rglob("Ledger.C") if not file.is_symlink()]
+    joined = "".join(re.sub(r'"\s*"', "", text) for text in texts)
+    assert f'"{",".join(tables.EVENTS)}' in joined
 
 
 def test_tables_of_several_times_are_joined(finished: Path) -> None:

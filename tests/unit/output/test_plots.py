@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.text import Text
 
-from elutria.classification.classify import CURVE_COLUMNS, Classification, classify
+from elutria import tables
+from elutria.classification.classify import Classification, classify
 from elutria.classification.curves import MODELS
 from elutria.classification.events import Account, Events, Run
-from elutria.estimates.theory import COLUMNS
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
 from elutria.output.report import inside_notes
@@ -44,16 +44,16 @@ def synthetic(velocity: float, materials: list[str], number: int = 2_000) -> Run
 
 
 def results(folder: Path, velocities: list[float], materials: list[str]) -> Path:
-    tables = Classification()
+    made = Classification()
     for velocity in velocities:
-        tables.extend(classify(synthetic(velocity, materials), velocity, 1.0))
-    tables.write(folder)
+        made.extend(classify(synthetic(velocity, materials), velocity, 1.0))
+    made.write(folder)
     rows = [
         {"gas_velocity_m_s": u, "material": m, "law": "Clift", "cut_size_m": u * MATERIALS[m][1]}
         for m in materials
         for u in (2.0, 5.0, 9.0)
     ]
-    write_csv(folder / "theory.csv", COLUMNS, rows)
+    write_csv(folder / "theory.csv", tables.THEORY, rows)
     return folder
 
 
@@ -117,9 +117,9 @@ def test_velocities_are_told_apart_without_colour() -> None:
 
 def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
     folder = results(tmp_path, [5.0], ["quartz"])
-    rows = [r for r in read_csv(folder / "curve.csv", CURVE_COLUMNS) if r["material"] == "all"]
+    rows = [r for r in read_csv(folder / "curve.csv", tables.CURVE) if r["material"] == "all"]
     summary = read_csv(folder / "summary.csv", ["d50_m"])[0]
-    size, share, low, high = (np.array([row[name] for row in rows]) for name in CURVE_COLUMNS[2:])
+    size, share, low, high = (np.array([row[name] for row in rows]) for name in tables.CURVE[2:])
     assert np.interp(summary["d50_m"], size, share) == pytest.approx(0.5, abs=2e-3)
     assert np.all((low <= share) & (share <= high))
     assert np.all(np.diff(share) >= 0)
@@ -127,8 +127,7 @@ def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
 
 def test_what_did_not_leave_is_said() -> None:
     run = synthetic(5.0, ["quartz"])
-    tables = classify(run, 5.0, 1.0)
-    assert inside_notes(tables.partition) == []
+    assert inside_notes(classify(run, 5.0, 1.0).partition) == []
     hovering = (run.events.diameter > 480e-6) & (run.events.diameter < 520e-6)
     run.events.outlet[hovering] = "inside"
     (line,) = inside_notes(classify(run, 5.0, 1.0).partition)

@@ -7,20 +7,23 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from elutria import tables
 from elutria.case.case import Case
-from elutria.classification.classify import SUMMARY_COLUMNS
 from elutria.classification.precision import Precision
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
 from elutria.running.run import Goal, is_finished, run_case
 from elutria.running.solver import Step, follow
 from elutria.running.sweep import SweepResult, parse_velocities, plan, run_sweep
+from elutria.running.worker import local_executor
 
 SMALL = ["system/simulationParameters:particles=400"]
 
@@ -52,7 +55,8 @@ def sweep(
 ) -> SweepResult:
     source = Case(case)
     members = plan(source, to, parse_velocities(velocities), replicates, extra)
-    return run_sweep(source, to, members, jobs=2, np=1, watcher=Silent(), precision=precision)
+    with local_executor(2) as executor:
+        return run_sweep(source, to, members, executor, 1, Silent(), precision)
 
 
 @pytest.mark.usefixtures("fake_solver")
@@ -138,7 +142,8 @@ def test_two_in_one_folder_do_not_mix(
 ) -> None:
     monkeypatch.setenv("FAKE_SLEEP", "3")
     to = tmp_path / "one"
-    command = [sys.executable, "-m", "elutria.running.worker", str(column), str(to), "1", *SMALL]
+    module = ["-m", "elutria.running.worker"]
+    command = [sys.executable, *module, str(column), str(to), "1", "", *SMALL]
     first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     wait_for(lambda: len(started(fake_solver)) == 1)
     case = Case(column)
@@ -181,7 +186,7 @@ def test_a_sweep_makes_the_tables(column: Path, fake_solver: Path, tmp_path: Pat
     to = tmp_path / "results"
     result = sweep(column, to, "4:5:2")
     assert not result.failures
-    rows = read_csv(to / "summary.csv", SUMMARY_COLUMNS)
+    rows = read_csv(to / "summary.csv", tables.SUMMARY)
     assert [(r["gas_velocity_m_s"], r["material"]) for r in rows] == [
         (u, m) for u in (4, 5) for m in ("quartz", "all")
     ]
@@ -211,7 +216,7 @@ def test_a_velocity_that_fails_leaves_the_others(
     result = sweep(column, to, "4:5:2")
     assert list(result.failures) == ["5 m/s"]
     assert "cell 12" in result.failures["5 m/s"]
-    rows = read_csv(to / "summary.csv", SUMMARY_COLUMNS)
+    rows = read_csv(to / "summary.csv", tables.SUMMARY)
     assert {row["gas_velocity_m_s"] for row in rows} == {4}
     assert json.loads((to / "sweep.json").read_text())["failed"]
     monkeypatch.delenv("FAKE_FAIL_AT")
@@ -253,6 +258,80 @@ def test_a_killed_sweep_goes_on_and_ends_the_same(
     assert without_times(to / "summary.csv") == without_times(whole / "summary.csv")
     for velocity in before:
         assert started(fake_solver).count(f"{velocity} 1") == 1
+
+
+def workers(folder: Path) -> list[int]:
+    """Processes of the runs below a folder."""
+    listed = subprocess.run(["pgrep", "-f", f"elutria.running.worker.*{folder}"],
+                            capture_output=True, text=True, check=False)  # fmt: skip
+    return [int(word) for word in listed.stdout.split()]
+
+
+def test_any_executor_makes_the_same_tables(
+    column: Path, fake_solver: Path, tmp_path: Path
+) -> None:
+    here, there = tmp_path / "here", tmp_path / "there"
+    sweep(column, here, "4:6:3")
+    assert len(started(fake_solver)) == 3
+    case = Case(column)
+    members = plan(case, there, parse_velocities("4:6:3"), 1, SMALL)
+    with ProcessPoolExecutor(2) as executor:
+        assert not run_sweep(case, there, members, executor, 1, Silent()).failures
+    for name in ("partition.csv", "fit.csv", "curve.csv"):
+        assert (here / name).read_bytes() == (there / name).read_bytes()
+
+
+def test_an_executor_that_breaks_fails_its_runs_by_name(
+    column: Path, tmp_path: Path, fake_solver: Path
+) -> None:
+    class Broken(ThreadPoolExecutor):
+        def submit(self, *_: object, **__: object) -> Future[None]:  # type: ignore[override]
+            future: Future[None] = Future()
+            future.set_exception(BrokenExecutor("a worker was lost"))
+            return future
+
+    case = Case(column)
+    members = plan(case, tmp_path / "to", [4.0, 5.0], 1, SMALL)
+    result = run_sweep(case, tmp_path / "to", members, Broken(1), 1, Silent())
+    assert result.failures == dict.fromkeys(("4 m/s", "5 m/s"), "BrokenExecutor: a worker was lost")
+    assert started(fake_solver) == []
+
+
+def test_a_run_that_is_killed_leaves_the_others(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SLEEP", "3")
+    to = tmp_path / "results"
+
+    def kill_one() -> None:
+        wait_for(lambda: len(started(fake_solver)) == 2)
+        os.kill(workers(to / "U4")[0], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill_one)
+    killer.start()
+    result = sweep(column, to, "4,5")
+    killer.join()
+    assert list(result.failures) == ["4 m/s"]
+    assert (to / "U5/finished.json").is_file()
+
+
+def test_ctrl_c_ends_the_runs_and_says_how_to_go_on(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FAKE_SLEEP", "60")
+    to = tmp_path / "results"
+    command = [sys.executable, "-m", "elutria", "sweep", str(column), "--velocity", "4,5"]
+    process = subprocess.Popen(
+        [*command, "--to", str(to), "--set", SMALL[0]],
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ours may be ignored
+    )  # fmt: skip
+    wait_for(lambda: len(started(fake_solver)) == 2)
+    os.kill(process.pid, signal.SIGINT)  # to it alone, not to its runs
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert said == "elutria: interrupted; the same command goes on where it stopped\n"
+    assert workers(to) == []
 
 
 def test_no_table_is_left_half_written(tmp_path: Path) -> None:

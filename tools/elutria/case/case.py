@@ -28,7 +28,7 @@ SEED = f"{PARAMETERS}:seed"
 # what a run leaves behind, not part of the case
 _LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
                 "*.png", "*.csv", "*.vtu", "*.pvd", "elutria.json", "finished.json", "VTK",
-                "dynamicCode", "settledGas", ".git*")  # fmt: skip
+                "progress.txt", "dynamicCode", "settledGas", ".git*")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -9,29 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from elutria import tables
 from elutria.classification.events import Events, Run
 from elutria.classification.fit import LEVELS, PartitionFit, fit_partition
 from elutria.classification.partition import SizeClass, class_limits, partition_table
 from elutria.files import write_csv
-
-SUMMARY_COLUMNS = (
-    "gas_velocity_m_s", "material", "d25_m", "d50_m", "d50_low_m", "d50_high_m", "d75_m",
-    "sharpness", "ecart_probable_m", "bypass", "fines_yield", "mass_closure_error",
-    "particles_fed", "particles_lost", "wall_time_s",
-)  # fmt: skip
-PARTITION_COLUMNS = (
-    "gas_velocity_m_s", "material", "diameter_low_m", "diameter_high_m", "diameter_m", "feed_kg",
-    "fines_kg", "coarse_kg", "inside_kg", "partition_to_coarse", "ci_low", "ci_high",
-)  # fmt: skip
-FIT_COLUMNS = (
-    "gas_velocity_m_s", "material", "rank", "model", "d50_without_bypass_m", "shape", "bypass",
-    "log_likelihood", "aic", "events", "d25_low_m", "d25_high_m", "d50_low_m", "d50_high_m",
-    "d75_low_m", "d75_high_m",
-)  # fmt: skip
-
-CURVE_COLUMNS = (
-    "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
-)  # fmt: skip
 
 Row = dict[str, Any]
 
@@ -54,10 +36,10 @@ class Classification:
 
     def write(self, folder: Path) -> None:
         """summary, partition, fit and curve.csv in `folder`, each whole or not at all."""
-        write_csv(folder / "partition.csv", PARTITION_COLUMNS, self.partition)
-        write_csv(folder / "fit.csv", FIT_COLUMNS, self.fits)
-        write_csv(folder / "curve.csv", CURVE_COLUMNS, self.curves)
-        write_csv(folder / "summary.csv", SUMMARY_COLUMNS, self.summary)
+        write_csv(folder / "partition.csv", tables.PARTITION, self.partition)
+        write_csv(folder / "fit.csv", tables.FIT, self.fits)
+        write_csv(folder / "curve.csv", tables.CURVE, self.curves)
+        write_csv(folder / "summary.csv", tables.SUMMARY, self.summary)
 
 
 def classify(run: Run, velocity: float, wall_time: float) -> Classification:
@@ -159,6 +141,6 @@ def _curve_rows(fit: PartitionFit, events: Events) -> list[Row]:
     left = events.diameter[events.has_left]
     diameter = np.geomspace(left.min(), left.max(), 241)
     return [
-        dict(zip(CURVE_COLUMNS[2:], row, strict=True))
+        dict(zip(tables.CURVE[2:], row, strict=True))
         for row in np.column_stack([diameter, *fit.band(diameter)]).tolist()
     ]

@@ -7,7 +7,7 @@ count that differs from the ledger's is refused, so that half a run is never tak
 
 from __future__ import annotations
 
-import io
+import csv
 import warnings
 from dataclasses import dataclass
 from math import pi
@@ -15,38 +15,52 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
+from pandas.api.types import union_categoricals
 
+from elutria import tables
 from elutria.errors import InputError, one_line
-from elutria.files import read_json, read_text
+from elutria.files import read_json, reading
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-COLUMNS = (
-    "time_s", "outlet", "material", "id", "diameter_m", "density_kg_m3", "n_particle",
-    "ux_m_s", "uy_m_s", "uz_m_s", "residence_time_s",
-)  # fmt: skip
-_DTYPE = [
-    (name, "U64" if name in ("outlet", "material") else "i8" if name == "id" else "f8")
-    for name in COLUMNS
-]
 PRODUCTS = ("fines", "coarse")
+PLACES = (*PRODUCTS, "inside")
+_TYPES: dict[str, Any] = {
+    **dict.fromkeys(tables.EVENTS, "float64"),
+    "outlet": "category",
+    "material": "category",
+    "id": "int64",
+}
 
 
 @dataclass(frozen=True)
 class Events:
-    """Parcels as arrays of one length: material and outlet by name, SI units.
+    """Parcels as columns of one length (n,), SI units; 34 bytes a parcel.
 
-    `outlet` is ``fines``, ``coarse`` or ``inside``; `number` is how many particles a parcel is.
+    `material` and `outlet` are categories, given as such or as an array of names. `outlet` is
+    ``fines``, ``coarse`` or ``inside``; `number` is how many particles a parcel stands for.
     """
 
-    material: NDArray[np.str_]
-    outlet: NDArray[np.str_]
+    material: pd.Categorical
+    outlet: pd.Categorical
     diameter: Array
     density: Array
     number: Array
     time: Array
+
+    def __post_init__(self) -> None:
+        for name, categories in (("material", None), ("outlet", list(PLACES))):
+            given = getattr(self, name)
+            if not isinstance(given, pd.Categorical):
+                object.__setattr__(self, name, pd.Categorical(given, categories))
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of all columns, bytes."""
+        return sum(int(column.nbytes) for column in vars(self).values())
 
     @property
     def mass(self) -> Array:
@@ -102,14 +116,17 @@ class Run:
 
 def join(runs: list[Run]) -> Run:
     """Replicates of one velocity, taken together."""
-    events = Events(
-        **{
-            name: np.concatenate([getattr(run.events, name) for run in runs])
-            for name in vars(runs[0].events)
-        }
-    )
+    parts = {name: [getattr(run.events, name) for run in runs] for name in vars(runs[0].events)}
+    events = Events(**{name: _concatenate(columns) for name, columns in parts.items()})
     names = [name for name in runs[0].accounts if all(name in run.accounts for run in runs)]
     return Run(events, {name: _sum([run.accounts[name] for run in runs]) for name in names})
+
+
+def _concatenate(columns: list[Any]) -> Any:
+    columns = [column for column in columns if len(column)] or columns[:1]
+    if isinstance(columns[0], pd.Categorical):
+        return union_categoricals(columns)
+    return np.concatenate(columns)
 
 
 def _sum(accounts: list[Account]) -> Account:
@@ -134,15 +151,14 @@ def read_run(case: Path) -> Run:
     if not ledger_file.is_file():
         raise InputError(f"{ledger_file}: file not found; allowed: a finished run of elutriaFoam")
     ledger = read_json(ledger_file)
-    tables = [_read_rows(path) for path in _outlet_files(folder)]
-    inside = folder / "inside.csv"
-    if inside.is_file():
-        tables.append(_read_rows(inside))
-    rows = np.concatenate(tables) if tables else np.zeros(0, dtype=_DTYPE)
+    files = _outlet_files(folder)
+    if (folder / "inside.csv").is_file():
+        files.append(folder / "inside.csv")
+    rows = _read_all(files)
     _check_rows(rows, folder)
     events = Events(
         material=rows["material"],
-        outlet=rows["outlet"],
+        outlet=rows["outlet"].set_categories(list(PLACES)),
         diameter=rows["diameter_m"],
         density=rows["density_kg_m3"],
         number=rows["n_particle"],
@@ -163,38 +179,47 @@ def _outlet_files(folder: Path) -> list[Path]:
     return [path for _, path in sorted(found)]
 
 
-def _read_rows(path: Path) -> NDArray[Any]:
-    text = read_text(path, limit=2_000_000_000)
-    head, _, body = text.partition("\n")
-    if head.strip() != ",".join(COLUMNS):
-        raise InputError(f"{path}: first line must be {','.join(COLUMNS)}")
-    if not text.endswith("\n"):
-        raise InputError(f"{path}: ends within a row, the run was cut off while writing")
-    if not body:
-        return np.zeros(0, dtype=_DTYPE)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            return np.loadtxt(
-                io.StringIO(body), delimiter=",", dtype=_DTYPE, comments=None, ndmin=1
-            )
-    except (ValueError, UserWarning, OverflowError) as error:
-        raise InputError(f"{path}: {one_line(error)}") from error
+def _read_all(files: list[Path]) -> dict[str, Any]:
+    """The columns that are used, of all files together, by name."""
+    used = ("material", "outlet", "diameter_m", "density_kg_m3", "n_particle", "time_s", "id")
+    empty = pd.DataFrame({name: pd.Series(dtype=_TYPES[name]) for name in tables.EVENTS})
+    frames = [_read_rows(path) for path in files] or [empty]
+    return {name: _concatenate([frame[name].values for frame in frames]) for name in used}
 
 
-def _check_rows(rows: NDArray[Any], folder: Path) -> None:
+def _read_rows(path: Path) -> pd.DataFrame:
+    with reading(path, limit=2_000_000_000):
+        with path.open("rb") as file:
+            head = file.readline(1000).decode()
+            if head.strip() != ",".join(tables.EVENTS):
+                raise InputError(f"{path}: first line must be {','.join(tables.EVENTS)}")
+            file.seek(-1, 2)
+            if file.read(1) != b"\n":
+                raise InputError(f"{path}: ends within a row, the run was cut off while writing")
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")  # such as a row that is too long
+                return pd.read_csv(
+                    path, dtype=_TYPES, index_col=False, quoting=csv.QUOTE_NONE,
+                    na_filter=False, skip_blank_lines=False,
+                )  # fmt: skip
+        except (ValueError, UserWarning, OverflowError) as error:
+            raise InputError(f"{path}: {one_line(error)}") from error
+
+
+def _check_rows(rows: dict[str, Any], folder: Path) -> None:
     for name in ("diameter_m", "density_kg_m3", "n_particle"):
         wrong = ~(np.isfinite(rows[name]) & (rows[name] > 0))
         if np.any(wrong):
             value = rows[name][wrong][0]
             raise InputError(f"{folder}: {name} is {value:g} in a row; allowed: a number > 0")
-    known = np.isin(rows["outlet"], (*PRODUCTS, "inside"))
-    if not np.all(known):
-        name = one_line(rows["outlet"][~known][0], 40)
-        raise InputError(f"{folder}: outlet is '{name}' in a row; allowed: fines, coarse, inside")
-    ids, counts = np.unique(rows["id"], return_counts=True)
-    if np.any(counts > 1):
-        raise InputError(f"{folder}: parcel {ids[counts > 1][0]} has more than one row")
+    for name in sorted(set(rows["outlet"].categories) - set(PLACES)):
+        raise InputError(
+            f"{folder}: outlet is '{one_line(name, 40)}' in a row; allowed: {', '.join(PLACES)}"
+        )
+    twice = pd.Index(rows["id"]).duplicated()
+    if np.any(twice):
+        raise InputError(f"{folder}: parcel {rows['id'][twice][0]} has more than one row")
 
 
 def _section(ledger: dict[str, Any], name: str, file: Path) -> dict[str, Any]:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from elutria import tables
 from elutria.case.case import Case
 from elutria.errors import InputError
 from elutria.files import write_csv
 from elutria.physics.drag import plug_flow_cut_size
 
 Array = NDArray[np.float64]
-
-COLUMNS = ("gas_velocity_m_s", "material", "law", "cut_size_m")
 
 
 def pipe_fines_share(terminal: ArrayLike, velocity: float) -> Array:
@@ -78,4 +77,4 @@ def cut_sizes(case: Case, velocities: list[float]) -> list[dict[str, Any]]:
 
 def write_theory(case: Case, velocities: list[float], folder: Path) -> None:
     """theory.csv in `folder`, for the figure of cut sizes."""
-    write_csv(folder / "theory.csv", COLUMNS, cut_sizes(case, velocities))
+    write_csv(folder / "theory.csv", tables.THEORY, cut_sizes(case, velocities))

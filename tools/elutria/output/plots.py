@@ -13,9 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from elutria.classification.classify import CURVE_COLUMNS, PARTITION_COLUMNS, SUMMARY_COLUMNS
+from elutria import tables
 from elutria.errors import InputError
-from elutria.estimates import theory
 from elutria.files import read_csv, whole_file
 
 Array = NDArray[np.float64]
@@ -47,12 +46,12 @@ MATERIAL_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B
 
 def write_figures(folder: Path) -> list[Path]:
     """All figures of RESULTS from its csv files. Raises InputError when they are not there."""
-    summary = read_csv(folder / "summary.csv", SUMMARY_COLUMNS)
-    partition = read_csv(folder / "partition.csv", PARTITION_COLUMNS)
+    summary = read_csv(folder / "summary.csv", tables.SUMMARY)
+    partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
-    curves = _optional(folder / "curve.csv", CURVE_COLUMNS)
-    lines = _optional(folder / "theory.csv", theory.COLUMNS)
+    curves = _optional(folder / "curve.csv", tables.CURVE)
+    lines = _optional(folder / "theory.csv", tables.THEORY)
     with mpl.rc_context(STYLE):
         figures = {
             "partition_curves.png": partition_figure(partition, curves),

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import re
-import resource
 import shutil
 import signal
 import subprocess
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
 from typing import Any
 
 from PyFoam.Execution.BasicRunner import BasicRunner
-from PyFoam.Execution.FoamThread import FoamThread
 
 from elutria.files import writing_to
 from elutria.openfoam.started import started_in
@@ -48,36 +45,57 @@ class Outcome:
     interrupted: bool
 
 
-class _Program(FoamThread):  # type: ignore[misc]
-    """PyFoam's thread, but the program gets its arguments as a list instead of through a shell."""
+class _Process:
+    """The program that PyFoam's runner watches, started from a list instead of through a shell.
 
-    def __init__(self, arguments: list[str], runner: BasicRunner):
-        super().__init__(" ".join(arguments), runner)
+    The runner asks for these names; it reads line by line until there is no more.
+    """
+
+    keyboardInterupted = False
+
+    def __init__(self, arguments: list[str]):
         self.arguments = arguments
+        self.returncode = 127  # not found, until it is started
+        self._process: subprocess.Popen[str] | None = None
+        self._line = ""
+        self._more = False
 
-    def run(self) -> None:
-        self.timeStart = time.time()
-        self.resStart = resource.getrusage(self.who)
-        try:
-            process = subprocess.Popen(
+    def start(self) -> None:
+        with contextlib.suppress(OSError):
+            self._process = subprocess.Popen(
                 self.arguments,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
+                text=True,
+                errors="replace",
             )
-        except OSError:
-            self.returncode = 127
-            return
-        else:
-            self.output = process.stdout
-            self.threadPid = process.pid
-            self.hasSomethingToSay = True
-        finally:
-            self.stateLock.release()  # held since PyFoam made this thread
-        self.returncode = process.wait()
-        self.threadPid = -1
-        self.resEnd = resource.getrusage(self.who)
-        self.timeEnd = time.time()
+            self._more = True
+
+    def check(self) -> bool:
+        return self._more
+
+    def read(self) -> None:
+        output = self._process.stdout if self._process else None
+        line = output.readline() if output else ""
+        self._more = bool(line)
+        self._line = line.rstrip()
+
+    def getLine(self) -> str:
+        return self._line
+
+    def interrupt(self, pass_int: bool = False) -> None:
+        if self._process:
+            self._process.send_signal(signal.SIGKILL if pass_int else signal.SIGINT)
+
+    def wait(self) -> None:
+        if self._process:
+            self.returncode = self._process.wait()
+
+    def _unknown(self) -> float:
+        return nan
+
+    cpuTime = cpuUserTime = cpuSystemTime = wallTime = usedMemory = _unknown
 
 
 class _Runner(BasicRunner):  # type: ignore[misc]
@@ -86,7 +104,7 @@ class _Runner(BasicRunner):  # type: ignore[misc]
     def __init__(self, arguments: list[str], log: str, on_step: Callable[[Step], None]):
         super().__init__(argv=arguments, silent=True, server=False, writeState=False)
         self.logFile = log
-        self.run = _Program(arguments, self)
+        self.run = _Process(arguments)
         self.on_step = on_step
         self.failed = ""
         self.finished = False
@@ -119,11 +137,11 @@ def follow(folder: Path, command: list[str], log: str, on_step: Callable[[Step],
         try:
             result: dict[str, Any] = runner.start()
         except BaseException:  # our own trouble, such as a full disk: the solver must not go on
-            if runner.run.threadPid > 0:
-                os.kill(runner.run.threadPid, signal.SIGKILL)
+            runner.run.interrupt(pass_int=True)
             raise
-        runner.run.join()
-    code = int(runner.run.returncode)
+        finally:
+            runner.run.wait()
+    code = runner.run.returncode
     return Outcome(
         whole=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,
         reason=runner.failed,

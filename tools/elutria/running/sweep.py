@@ -1,7 +1,7 @@
 """Runs over gas velocities, side by side; what is finished is never run again.
 
 RESULTS/U<velocity> is the first run of a velocity, RESULTS/U<velocity>-<r> replicate r with its own
-seed. Each is a process of its own, so that one that fails or is killed leaves the others alone.
+seed. A `concurrent.futures.Executor` works them off; what it is, and where, is not known here.
 With a precision asked, a velocity gets replicates until its cut size is known so well; which
 runs there are depends on results alone, so that a sweep that is started again makes the same ones.
 The gas of a run starts from that of a run at a velocity nearby, always the same one, as it has
@@ -11,13 +11,8 @@ settled there.
 from __future__ import annotations
 
 import math
-import os
-import shutil
-import subprocess
-import sys
-import threading
-from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Iterable
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -32,6 +27,7 @@ from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json, writing_to
 from elutria.running.run import is_finished, wall_time
+from elutria.running.worker import EVERY, Job, perform
 
 
 @dataclass(frozen=True)
@@ -66,7 +62,7 @@ class SweepResult:
 
 
 class Watcher(Protocol):
-    """What a sweep tells while it runs; the command line shows it. Called from several threads."""
+    """What a sweep tells while it runs; the command line shows it."""
 
     def progress(self, name: str, share: float, note: str) -> None:
         """A run is at `share` (0..1)."""
@@ -133,19 +129,17 @@ def run_sweep(
     case: Case,
     folder: Path,
     members: list[Member],
-    jobs: int,
+    executor: Executor,
     np: int,
     watcher: Watcher,
     precision: Precision | None = None,
 ) -> SweepResult:
-    """Run what is not finished, `jobs` at a time, and write the tables of what is whole."""
+    """Have the executor run what is not finished, and write the tables of what is whole."""
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     result = SweepResult()
     course = _Course(case, np, list(members), precision, result)
-    todo = course.not_finished(members)
-    with _Pool(case, jobs, np, watcher) as pool:
-        pool.run(todo, course)
+    _work_off(course, executor, watcher)
     members = course.members
     for velocity in sorted({member.velocity for member in members}):
         group = [m for m in members if m.velocity == velocity and m.name not in result.failures]
@@ -170,6 +164,46 @@ def run_sweep(
     return result
 
 
+def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
+    """Run all, and what the course adds; one that fails leaves the others going on.
+
+    A run is handed over once the gas that it starts from has settled, or never will.
+    """
+    waiting = course.not_finished(course.members)
+    active: dict[Future[None], tuple[Member, Job]] = {}
+    watcher.planned(len(course.members))
+    while waiting or active:
+        unsettled = {member.folder for member in waiting}
+        for member, job in active.values():
+            progress = job.progress()
+            if progress is None:
+                unsettled.add(member.folder)
+            else:
+                watcher.progress(member.name, *progress)
+        for member in [member for member in waiting if member.neighbour not in unsettled]:
+            waiting.remove(member)
+            job = course.job(member)
+            job.forget_progress()
+            active[executor.submit(perform, job)] = member, job
+        for future in wait(active, EVERY, FIRST_COMPLETED).done:
+            member, _ = active.pop(future)
+            failure = _failure(future)
+            line = f"FAILED: {failure}"
+            if failure is None:
+                line = f"finished in {wall_time(member.folder):.0f} s"
+            watcher.finished(member.name, line)
+            waiting += course.ended(member, failure)
+            watcher.planned(len(course.members))
+
+
+def _failure(future: Future[None]) -> str | None:
+    """Why a job failed, also when it is the executor that failed it; None when it did not."""
+    error = future.exception()
+    if error is None:
+        return None
+    return str(error) if isinstance(error, ElutriaError) else f"{type(error).__name__}: {error}"
+
+
 class _Course:
     """Which runs a sweep has, and which it needs after one has ended."""
 
@@ -187,6 +221,11 @@ class _Course:
         self.precision = precision
         self.result = result
         self.running: set[str] = set()
+
+    def job(self, member: Member) -> Job:
+        """A run as the executor gets it."""
+        case = self.case.path.resolve()
+        return Job(case, member.folder, member.settings, self.np, member.neighbour)
 
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""
@@ -222,102 +261,3 @@ class _Course:
         further = [_replicate(self.case, group[0], first + k) for k in range(count or 0)]
         self.members += further
         return self.not_finished(further)
-
-
-class _Pool:
-    """Worker processes, all ended when the block is left for whatever reason."""
-
-    def __init__(self, case: Case, jobs: int, np: int, watcher: Watcher):
-        self.case = case
-        self.np = np
-        self.watcher = watcher
-        self.executor = ThreadPoolExecutor(max_workers=jobs)
-        self.processes: set[subprocess.Popen[str]] = set()
-        self.gas_is_there: dict[Path, threading.Event] = {}
-        self.lock = threading.Lock()
-        self.stopping = False
-
-    def __enter__(self) -> _Pool:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        with self.lock:
-            self.stopping = True
-            for process in self.processes:
-                process.terminate()
-        self.executor.shutdown(wait=True, cancel_futures=True)
-
-    def run(self, members: list[Member], course: _Course) -> None:
-        """Run all, and what the course adds; one that fails leaves the others going on."""
-        pending: dict[Future[None], Member] = {}
-
-        def start(members: list[Member]) -> None:
-            self.gas_is_there.update({member.folder: threading.Event() for member in members})
-            pending.update({self.executor.submit(self._one, member): member for member in members})
-            self.watcher.planned(len(course.members))
-
-        start(members)
-        while pending:
-            for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                member = pending.pop(future)
-                failure = None
-                try:
-                    future.result()
-                except ElutriaError as error:
-                    failure = str(error)
-                    self.watcher.finished(member.name, f"FAILED: {error}")
-                else:
-                    seconds = wall_time(member.folder)
-                    self.watcher.finished(member.name, f"finished in {seconds:.0f} s")
-                start(course.ended(member, failure))
-
-    def _one(self, member: Member) -> None:
-        try:
-            self._run(member)
-        finally:
-            self.gas_is_there[member.folder].set()
-
-    def _run(self, member: Member) -> None:
-        if member.neighbour in self.gas_is_there:
-            self.gas_is_there[member.neighbour].wait()
-        settings = [f"{s.file}:{s.entry}={s.value}" for s in member.settings]
-        command = [
-            sys.executable, "-m", "elutria.running.worker", str(self.case.path), str(member.folder),
-            str(self.np), str(member.neighbour or ""), *settings,
-        ]  # fmt: skip
-        if shutil.which("setpriv"):  # nothing goes on when the sweep is killed
-            command = ["setpriv", "--pdeathsig", "TERM", *command]
-        environment = {"OMP_NUM_THREADS": "1", **os.environ}
-        with self.lock:
-            if self.stopping:
-                return
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-                errors="replace",
-                env=environment,
-            )
-            self.processes.add(process)
-
-        def progress(share: float, note: str) -> None:
-            self.gas_is_there[member.folder].set()
-            self.watcher.progress(member.name, share, note)
-
-        _follow(process, progress)
-        message = process.stderr.read() if process.stderr else ""
-        code = process.wait()
-        with self.lock:
-            self.processes.discard(process)
-        if code != 0:
-            lines = [line for line in message.splitlines() if line.strip()]
-            raise ElutriaError(lines[-1] if lines else f"ended with exit code {code}")
-
-
-def _follow(process: subprocess.Popen[str], progress: Callable[[float, str], None]) -> None:
-    for line in process.stdout or ():
-        words = line.split(maxsplit=2)
-        if len(words) >= 2 and words[0] == "progress":
-            progress(float(words[1]), words[2].strip() if len(words) > 2 else "")

@@ -22,9 +22,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import LogLocator, NullLocator
 
+from elutria import tables
 from elutria.case.case import PARAMETERS, Case, Setting
 from elutria.classification.classify import fit_events
-from elutria.classification.events import COLUMNS as EVENT_COLUMNS
 from elutria.classification.events import read_run
 from elutria.files import read_csv
 from elutria.running.run import run_case
@@ -136,7 +136,7 @@ def _momentum(folder: Path) -> float:
     """Vertical momentum (kg m/s) of the parcels of a run when they left, downwards counted too."""
     total = 0.0
     for table in folder.glob("postProcessing/outlets/*/particles.csv"):
-        for row in read_csv(table, EVENT_COLUMNS, ("material", "outlet")):
+        for row in read_csv(table, tables.EVENTS, ("material", "outlet")):
             mass = float(row["density_kg_m3"]) * np.pi / 6 * float(row["diameter_m"]) ** 3
             total += float(row["n_particle"]) * mass * abs(float(row["uz_m_s"]))
     return total
