@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from elutria.cli import main
-from elutria_validation.harness.common import run_program
+from elutria_validation.harness.programs import run_program
 from tests.support import malformed
 from tests.support.malformed import Input
 

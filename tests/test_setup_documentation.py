@@ -173,8 +173,7 @@ def readings() -> tuple[list[Reading], list[tuple[str, str]]]:
             name[1]
             for match in FUNCTION.finditer(text)
             for parameter in match[2].split(",")
-            if (name := NAME_PARAMETER.fullmatch(parameter.strip()))
-            and match[1] in helpers()
+            if (name := NAME_PARAMETER.fullmatch(parameter.strip())) and match[1] in helpers()
         }
         for begin, place, default in calls(text):
             given = arguments(text, begin)

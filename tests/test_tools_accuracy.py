@@ -32,7 +32,7 @@ from elutria_validation.benchmarks.accuracy_runs import (
     step,
 )
 from elutria_validation.benchmarks.uncertainty import inlet
-from elutria_validation.harness.common import project_root, slug
+from elutria_validation.harness.programs import project_root, slug
 
 SIZES = np.geomspace(200e-6, 1200e-6, 400)
 

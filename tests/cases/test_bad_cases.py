@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from elutria_validation.harness.common import run_program
-from elutria_validation.harness.scene import BOX, CONTROL, MODELS, add_feed, change, make_scene
+from elutria_validation.harness.box import BoxCase, Contacts
+from elutria_validation.harness.cases import CONTROL, add_feed, change, material
+from elutria_validation.harness.programs import run_program
 from tests.support import malformed
 
 SECONDS = 5
@@ -29,22 +30,10 @@ NO_END = {"pipe", "link to a device"}
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A box of few cells with a feed that collides, meshed in ASCII, that runs for one step."""
-    case = make_scene(
-        tmp_path_factory.mktemp("bad") / "scene",
-        settings={
-            f"{BOX}:gasVelocity": 2,
-            f"{BOX}:cellsAcross": 2,
-            f"{BOX}:cellsAlong": 3,
-            f"{MODELS}/collisionModel": "cellList",
-            f"{CONTROL}:deltaT": 1e-3,
-            f"{CONTROL}:endTime": 1e-3,
-        },
-    )
-    sizes = {"type": "RosinRammler", "d63": 9e-4, "n": 3, "min": 3e-4, "max": 2e-3}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
-    add_feed(
-        case, {"loading": 0.1, "particles": 50, "drainTime": 1, "materials": {"quartz": quartz}}
-    )
+    box = BoxCase(gas_velocity=2, cells=(2, 2, 3), contacts=Contacts(), end=1e-3)
+    case = box.make(tmp_path_factory.mktemp("bad") / "scene")
+    quartz = material(2650, type="RosinRammler", d63=9e-4, n=3, min=3e-4, max=2e-3)
+    add_feed(case, {"loading": 0.1, "particles": 50, "drainTime": 1, "materials": quartz})
     (case / "system/blockMeshDict").unlink()
     run_program(["elutriaFoam"], case)
     shutil.rmtree(case / "postProcessing")

@@ -1,4 +1,4 @@
-"""What a feed becomes: the sizes asked for, and the cut of a plug flow."""
+"""What a feed becomes: the sizes asked for."""
 
 from __future__ import annotations
 
@@ -10,68 +10,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import erf
 
-from elutria.classification.classify import fit_events
 from elutria.classification.events import Events, read_run
-from elutria_validation.harness.scene import (
-    BOX,
-    CLOUD,
-    CONTROL,
-    MODELS,
-    add_feed,
-    make_scene,
-    run_scene,
-)
+from elutria_validation.chapters.classification import PLUG_FLOW
+from elutria_validation.harness.box import BoxCase, cube
+from elutria_validation.harness.cases import add_feed, material, solve
 
 Array = NDArray[np.float64]
 
-# d50 (m) of quartz, 2650 kg/m3, at the gas velocities (m/s): terminal velocity by Schiller-Naumann
-# in air of 1.2 kg/m3 and 1.8e-5 Pa s, g 9.81
-PLUG_FLOW = {0.5: 90.7e-6, 1: 146.3e-6, 2: 260.2e-6, 3: 385.2e-6, 5: 667.6e-6, 8: 1155e-6}
-
-
-@pytest.mark.parametrize(
-    ("collisions", "velocity"),
-    [*(("none", velocity) for velocity in PLUG_FLOW), ("cellList", 0.5), ("cellList", 8)],
-)
-def test_cut_of_a_thin_feed_in_plug_flow(
-    tmp_path: Path, measured, collisions: str, velocity: float
-) -> None:
-    cut = PLUG_FLOW[velocity]
-    case = make_scene(
-        tmp_path / "case",
-        settings={
-            f"{BOX}:gasVelocity": velocity,
-            f"{BOX}:gravity": -9.81,
-            f"{BOX}:width": 0.2,
-            f"{BOX}:depth": 0.2,
-            f"{BOX}:height": 0.04,
-            f"{BOX}:cellsAcross": 8,
-            f"{BOX}:cellsAlong": 2,
-            f"{CLOUD}:solution/coupled": True,
-            f"{MODELS}/collisionModel": collisions,
-            f"{CONTROL}:deltaT": 0.01 * velocity,
-            f"{CONTROL}:endTime": 1000,
-            f"{CONTROL}:writeInterval": 1000,
-            "system/scenePlan:gas": "auto",
-            "system/scenePlan:convergeGas": "auto",
-        },
-    )
-    sizes = {"type": "uniform", "min": 0.9 * cut, "max": 1.1 * cut}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
-    add_feed(
-        case,
-        {
-            "loading": 1e-4,
-            "particles": 200,
-            "drainTime": 15 / velocity,
-            "materials": {"quartz": quartz},
-        },
-    )
-    run_scene(case)
-    events = read_run(case).events
-    assert events.has_left.mean() > 0.95
-    d50 = fit_events(events).d50
-    measured(f"d50 {d50 * 1e6:.1f} um, relative error", abs(d50 / cut - 1), 3e-3)
+CUT = 1e-6 * PLUG_FLOW[2650][3]  # m, at 3 m/s
 
 
 def rosin_rammler(diameter: Array) -> Array:
@@ -91,15 +37,7 @@ def log_normal(diameter: Array) -> Array:
 
 def fed(folder: Path, weighting: str) -> Events:
     """All particles of a feed of two materials, just after they have entered."""
-    case = make_scene(
-        folder,
-        settings={
-            **{f"{BOX}:{name}": 1 for name in ("width", "depth", "height")},
-            f"{CONTROL}:deltaT": 0.01,
-            f"{CONTROL}:endTime": 0.02,
-            f"{CONTROL}:writeInterval": 0.01,
-        },
-    )
+    case = BoxCase(**cube(1), step=0.01, end=0.02, interval=0.01).make(folder)
     rosin = {"type": "RosinRammler", "d63": 6e-4, "n": 3, "min": 2e-4, "max": 1.2e-3}
     normal = {"type": "logNormal", "d50": 3e-4, "sigma": 1.5, "min": 1e-4, "max": 9e-4}
     materials = {
@@ -115,7 +53,7 @@ def fed(folder: Path, weighting: str) -> Events:
         },
     }
     add_feed(case, {"massFlowRate": 100, "particles": 8000, "materials": materials})
-    run_scene(case)
+    solve(case)
     events = read_run(case).events
     assert len(events) == 8000
     return events
@@ -150,23 +88,14 @@ def test_the_feed_is_distributed_as_asked(tmp_path: Path, measured, weighting: s
     measured("share of quartz in the feed's mass", abs(shares["quartz"] - 0.7), 0.03)
 
 
-@pytest.mark.parametrize("focus", ["none", "auto", PLUG_FLOW[3]])
+@pytest.mark.parametrize("focus", ["none", "auto", CUT])
 def test_a_focus_draws_half_of_the_parcels_and_keeps_the_distribution(
     tmp_path: Path, measured, focus: str | float
 ) -> None:
-    case = make_scene(
-        tmp_path / "case",
-        settings={
-            **{f"{BOX}:{name}": 1 for name in ("width", "depth", "height")},
-            f"{BOX}:gasVelocity": 3,
-            f"{BOX}:gravity": -9.81,
-            f"{CONTROL}:deltaT": 0.01,
-            f"{CONTROL}:endTime": 0.02,
-            f"{CONTROL}:writeInterval": 0.01,
-        },
-    )
-    sizes = {"type": "RosinRammler", "d63": 6e-4, "n": 3, "min": 2e-4, "max": 1.2e-3}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    case = BoxCase(
+        **cube(1), gas_velocity=3, gravity=-9.81, step=0.01, end=0.02, interval=0.01
+    ).make(tmp_path / "case")
+    quartz = material(2650, type="RosinRammler", d63=6e-4, n=3, min=2e-4, max=1.2e-3)
     add_feed(
         case,
         {
@@ -175,16 +104,16 @@ def test_a_focus_draws_half_of_the_parcels_and_keeps_the_distribution(
             "particles": 4000,
             "parcels": "evenSizes",
             "focus": focus,
-            "materials": {"quartz": quartz},
+            "materials": quartz,
         },
     )
-    run_scene(case)
+    solve(case)
     events = read_run(case).events
     assert len(events) == 4000
     distance, _ = kolmogorov_smirnov(events.diameter, events.mass, rosin_rammler)
     measured("distance from the law by mass", distance, 0.005)
     measured("mass fed over the mass asked", abs(events.mass.sum() / 0.02 - 1), 0.01)
     even = 2 * log(1.3) / log(6)
-    around = np.abs(np.log(events.diameter / PLUG_FLOW[3])) < log(1.3)
+    around = np.abs(np.log(events.diameter / CUT)) < log(1.3)
     expected = even if focus == "none" else 0.5 + 0.5 * even
     measured("share of parcels around the cut", abs(around.mean() - expected), 0.02)

@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from elutria_validation.harness.common import run_program
-from elutria_validation.harness.scene import (
-    BOX,
-    CONTACTS,
-    CONTROL,
-    MODELS,
-    Particles,
-    make_scene,
-    read_particles,
-    run_scene,
-)
+from elutria_validation.harness.box import CLOSED, NO_DRAG, BoxCase, Contacts, Pair
+from elutria_validation.harness.cases import solve
+from elutria_validation.harness.particles import Particles, read_particles
+from elutria_validation.harness.programs import run_program
 
 LAWS = ("hertzMindlin", "linearSpringDashpot")
-CLOSED = {
-    f"{BOX}:ends": "wall",
-    f"{BOX}:bottomGroup": "closed",
-    f"{BOX}:topGroup": "closed",
-    f"{BOX}:gravity": 0,
-    f"{MODELS}/collisionModel": "cellList",
-    f"{MODELS}/particleForces": {"gravity": {}},
-    f"{CONTROL}:deltaT": 1e-3,
-    f"{CONTROL}:endTime": 0.02,
-    f"{CONTROL}:writeInterval": 0.02,
-}
+BOX = BoxCase(**CLOSED, gravity=0, forces=NO_DRAG, contacts=Contacts(), end=0.02)
 # three pairs that meet head on, unequal sizes too; and a sphere that meets each of two walls
 PAIRS = Particles.of(
     [
@@ -49,21 +33,10 @@ PAIRS = Particles.of(
 )  # fmt: skip
 
 
-def bounce(folder: Path, law: str, restitution: float, treatment: str) -> tuple[float, Particles]:
+def bounce(folder: Path, contacts: Contacts) -> tuple[float, Particles]:
     """Largest relative error of the restitution of all the collisions, and the state after."""
-    pair = {"restitution": restitution, "friction": 0, "normalStiffness": 1000}
-    case = make_scene(
-        folder,
-        PAIRS,
-        {
-            **CLOSED,
-            f"{CONTACTS}/contactLaw": law,
-            f"{CONTACTS}/treatment": treatment,
-            f"{CONTACTS}/particleParticle": pair,
-            f"{CONTACTS}/particleWall": pair,
-        },
-    )
-    run_scene(case)
+    case = replace(BOX, contacts=contacts).make(folder, PAIRS)
+    solve(case)
     after = read_particles(case, "0.02")
     found = []
     for a, b in ((0, 1), (2, 3), (4, 5)):
@@ -72,7 +45,7 @@ def bounce(folder: Path, law: str, restitution: float, treatment: str) -> tuple[
         found.append(-(after.velocity[b] - after.velocity[a])[axis] / approach)
     found.append(-after.velocity[6, 2] / PAIRS.velocity[6, 2])
     found.append(-after.velocity[7, 0] / PAIRS.velocity[7, 0])
-    return float(np.abs(np.array(found) / restitution - 1).max()), after
+    return float(np.abs(np.array(found) / contacts.pair.restitution - 1).max()), after
 
 
 @pytest.mark.parametrize("treatment", ["auto", "soft"])
@@ -81,7 +54,8 @@ def bounce(folder: Path, law: str, restitution: float, treatment: str) -> tuple[
 def test_restitution_of_pairs_and_walls(
     tmp_path: Path, measured, law: str, restitution: float, treatment: str
 ) -> None:
-    error, after = bounce(tmp_path / "case", law, restitution, treatment)
+    contacts = Contacts(Pair(restitution), law=law, treatment=treatment)
+    error, after = bounce(tmp_path / "case", contacts)
     measured("largest relative error of the restitution", error, 1e-3)
     pairs = slice(0, 6)
     before = PAIRS.mass[pairs] @ PAIRS.velocity[pairs]
@@ -97,15 +71,12 @@ def test_spheres_that_collide_on_a_processor_patch(tmp_path: Path, measured) -> 
         [(0, 0, 0.5), (0, 0, -0.5), (0, 0, 0.8), (0, 0, 0.1)],
         diameter=2e-3,
     )
-    settings = {
-        **CLOSED,
-        f"{BOX}:cellsAlong": 2,
-        f"{CONTACTS}/particleParticle": {"restitution": 0.8, "friction": 0.4},
-    }
+    contacts = Contacts(Pair(0.8, 0.4), wall_pair=Pair(0.8))
+    box = replace(BOX, cells=(1, 1, 2), contacts=contacts)
     states = []
     for processors in (1, 2):
-        case = make_scene(tmp_path / f"{processors}", spheres, settings)
-        log = run_scene(case, processors)
+        case = box.make(tmp_path / f"{processors}", spheres)
+        log = solve(case, processors)
         assert all("inside 4" in line for line in log.splitlines() if "inside" in line)
         if processors > 1:
             run_program(["reconstructPar", "-latestTime"], case)
@@ -122,8 +93,8 @@ def test_spheres_in_one_plane_but_for_rounding_meet(tmp_path: Path, measured) ->
     spheres = Particles.of(
         [(0.048, 0.05, 0.05), (0.052, 0.05, 0.05)], [(1, 0, 0), (-1, 0, 0)], diameter=2e-3
     )
-    case = make_scene(tmp_path / "case", spheres, CLOSED)
-    run_scene(case)
+    case = BOX.make(tmp_path / "case", spheres)
+    solve(case)
     after = read_particles(case, "0.02").velocity[:, 0]
     error = np.abs(after / [-0.8, 0.8] - 1).max()
     measured("largest relative error of the speed after", error, 1e-3)

@@ -8,48 +8,23 @@ from pathlib import Path
 
 import numpy as np
 
-from elutria_validation.harness.scene import (
-    BOX,
-    CONTROL,
-    MODELS,
-    add_feed,
-    change,
-    make_scene,
-    run_scene,
-)
+from elutria_validation.harness.box import BoxCase, Contacts
+from elutria_validation.harness.cases import CONTROL, add_feed, change, material, solve
 
 FEED = {
     "massFlowRate": 2e-3,
     "particles": 400,
     "velocity": [0.2, 0, 0],
-    "materials": {
-        "quartz": {
-            "density": 2650,
-            "massFraction": 1,
-            "sizeDistribution": {"type": "uniform", "min": 2e-4, "max": 6e-4},
-        }
-    },
+    "materials": material(2650, type="uniform", min=2e-4, max=6e-4),
 }
-
 
 PARCELS = {**FEED, "massFlowRate": 8e-3, "duration": 0.2, "parcels": "evenSizes"}
 """Each stands for many particles, or for a share of one, and meets others by chance."""
 
 
-def column(folder: Path, feed: dict[str, object] = FEED, **control) -> Path:
-    case = make_scene(
-        folder,
-        settings={
-            f"{BOX}:gasVelocity": 2,
-            f"{BOX}:cellsAcross": 4,
-            f"{BOX}:cellsAlong": 4,
-            f"{MODELS}/collisionModel": "cellList",
-            f"{CONTROL}:deltaT": 1e-3,
-            f"{CONTROL}:endTime": 0.3,
-            f"{CONTROL}:writeInterval": 0.1,
-            **{f"{CONTROL}:{name}": value for name, value in control.items()},
-        },
-    )
+def column(folder: Path, feed: dict[str, object] = FEED, interval: float = 0.1) -> Path:
+    box = BoxCase(gas_velocity=2, cells=(4, 4, 4), contacts=Contacts(), end=0.3, interval=interval)
+    case = box.make(folder)
     add_feed(case, feed)
     return case
 
@@ -58,7 +33,7 @@ def run_until(case: Path, *ends: float) -> None:
     """Run the case in pieces that end at these times, s."""
     for end in ends:
         change(case, {f"{CONTROL}:endTime": end})
-        run_scene(case)
+        solve(case)
 
 
 def rows(case: Path) -> list[list[str]]:
@@ -88,8 +63,8 @@ def compare(one: Path, other: Path, measured, what: str) -> None:
 
 def test_two_processors_record_what_one_records(tmp_path: Path, measured) -> None:
     serial, parallel = (column(tmp_path / name) for name in ("serial", "parallel"))
-    run_scene(serial)
-    run_scene(parallel, processors=2)
+    solve(serial)
+    solve(parallel, processors=2)
     compare(serial, parallel, measured, "largest difference of a row, s and m/s")
 
 
@@ -97,9 +72,9 @@ def test_what_parcels_meet_by_chance_is_the_same_in_pieces(tmp_path: Path, measu
     whole, parallel, parts = (
         column(tmp_path / name, PARCELS) for name in ("whole", "parallel", "parts")
     )
-    log = run_scene(whole)
+    log = solve(whole)
     assert float(re.findall(r"impacts +(\S+)", log)[-1]) > 200
-    run_scene(parallel, processors=2)
+    solve(parallel, processors=2)
     compare(whole, parallel, measured, "largest difference of a row, processors")
     run_until(parts, 0.1, 0.3)
     compare(whole, parts, measured, "largest difference of a row, restart")
@@ -107,14 +82,14 @@ def test_what_parcels_meet_by_chance_is_the_same_in_pieces(tmp_path: Path, measu
 
 def test_a_restart_goes_on_as_if_uninterrupted(tmp_path: Path, measured) -> None:
     whole, parts = (column(tmp_path / name) for name in ("whole", "parts"))
-    run_scene(whole)
+    solve(whole)
     run_until(parts, 0.1, 0.3)
     compare(whole, parts, measured, "largest difference of a row, s and m/s")
 
 
 def test_the_ledger_of_many_starts_is_that_of_one(tmp_path: Path) -> None:
-    whole, parts = (column(tmp_path / name, writeInterval=0.025) for name in ("whole", "parts"))
-    run_scene(whole)
+    whole, parts = (column(tmp_path / name, interval=0.025) for name in ("whole", "parts"))
+    solve(whole)
     run_until(parts, *(0.025 * step for step in range(1, 13)))
     assert len(list((parts / "postProcessing/outlets").iterdir())) == 12
     ledgers = [(case / "postProcessing/ledger.json").read_bytes() for case in (whole, parts)]
@@ -126,10 +101,10 @@ def test_a_restart_from_before_the_end_takes_back_what_was_recorded_later(
 ) -> None:
     # as after a crash: the run had gone beyond the last time it wrote
     whole, parts = (column(tmp_path / name) for name in ("whole", "parts"))
-    run_scene(whole)
+    solve(whole)
     change(parts, {f"{CONTROL}:endTime": 0.2})
-    run_scene(parts)
+    solve(parts)
     change(parts, {f"{CONTROL}:endTime": 0.3, f"{CONTROL}:startFrom": "startTime",
                    f"{CONTROL}:startTime": 0.1})  # fmt: skip
-    run_scene(parts)
+    solve(parts)
     compare(whole, parts, measured, "largest difference of a row, s and m/s")

@@ -8,16 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from elutria_validation.harness.common import run_program
-from elutria_validation.harness.scene import (
-    BOX,
-    CONTROL,
-    add_feed,
-    make_scene,
-    read_particles,
-    run_scene,
-    times,
-)
+from elutria_validation.harness.box import BoxCase
+from elutria_validation.harness.cases import add_feed, material, solve, times
+from elutria_validation.harness.particles import read_particles
+from elutria_validation.harness.programs import run_program
 
 Array = NDArray[np.float64]
 HEIGHT, FED = 0.1, 3000
@@ -28,29 +22,18 @@ def fed(folder: Path, processors: int = 1, sheared: float = 0.0) -> Array:
 
     `sheared` moves the top sideways by that share of the height and warps the cells.
     """
-    case = make_scene(
-        folder,
-        settings={
-            f"{BOX}:cellsAlong": 20,
-            f"{BOX}:gravity": 0,
-            f"{CONTROL}:deltaT": 1e-9,
-            f"{CONTROL}:endTime": 2e-9,
-            f"{CONTROL}:writeInterval": 2e-9,
-        },
-    )
+    case = BoxCase(cells=(1, 1, 20), gravity=0, step=1e-9, end=2e-9).make(folder)
     plan = case / "system/blockMeshDict"
     plan.write_text(plan.read_text().replace("6 7) (", "6 7) entrance ("))
     if sheared:
         top = f"({sheared * HEIGHT} 0 $height) ($width {sheared * HEIGHT} $height)"
         plan.write_text(plan.read_text().replace("(0 0 $height) ($width 0 $height)", top))
     run_program(["blockMesh"], case)
-    quartz = {"density": 2650, "massFraction": 1,
-              "sizeDistribution": {"type": "fixedValue", "value": 1e-5}}  # fmt: skip
-    feed = {"massFlowRate": 1e6, "particles": FED, "materials": {"quartz": quartz}}
-    add_feed(case, feed)
+    quartz = material(2650, type="fixedValue", value=1e-5)
+    add_feed(case, {"massFlowRate": 1e6, "particles": FED, "materials": quartz})
     text = (case / "constant/feed").read_text().replace("patch west", "zone entrance")
     (case / "constant/feed").write_text(text)
-    run_scene(case, processors)
+    solve(case, processors)
     if processors > 1:
         run_program(["reconstructPar"], case)
     return read_particles(case, times(case)[-1]).position

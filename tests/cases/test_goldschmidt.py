@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from elutria_validation.chapters.goldschmidt import TUTORIAL, copy_tutorial, tutorials
-from elutria_validation.harness.common import run_program
-from elutria_validation.harness.scene import CONTROL, MODELS, change, run_scene
+from elutria_validation.harness.cases import CONTROL, MODELS, change, solve
+from elutria_validation.harness.goldschmidt import TUTORIAL, copy_tutorial, tutorials
+from elutria_validation.harness.programs import run_program
 
 
 @pytest.mark.skipif(not TUTORIAL.is_dir(), reason="OpenFOAM's tutorials are not installed")
@@ -22,7 +22,7 @@ def test_three_steps_of_the_tutorial(tmp_path: Path, solver: str) -> None:
     if solver == "DPMFoam":
         change(case, {f"{CONTROL}:libs": ['"libelutriaCollision.so"']})
     run_program(["blockMesh"], case)
-    log = run_scene(case, solver=solver)
+    log = solve(case, solver=solver)
     assert log.count("\nTime = ") == 3
     assert ("inside 24750" in log) or ("Current number of parcels       = 24750" in log)
 

@@ -20,15 +20,10 @@ from pathlib import Path
 
 import pytest
 
-from elutria_validation.harness.common import run_program
-from elutria_validation.harness.scene import (
-    BOX,
-    CLOUD,
-    CONTROL,
-    MODELS,
-    add_feed,
-    make_scene,
-)
+from elutria.classification.events import COLUMNS
+from elutria_validation.harness.box import BoxCase, Contacts
+from elutria_validation.harness.cases import CONTROL, add_feed, material
+from elutria_validation.harness.programs import run_program
 
 MOMENTS = [0.6, 0.85, *(pytest.param(None, marks=pytest.mark.slow, id=f"random {k}")
                         for k in range(18))]  # fmt: skip
@@ -38,34 +33,19 @@ SERIAL, PARALLEL = ["elutriaFoam"], ["mpirun", *YIELD, "-np", "2", "elutriaFoam"
 
 def scene(folder: Path, processors: int = 1) -> Path:
     """A collision-rich feed in gas that it slows, solved when due, with its own time steps."""
-    case = make_scene(
-        folder,
-        settings={
-            f"{BOX}:gasVelocity": 3,
-            f"{BOX}:sideVelocity": "noSlip",
-            f"{BOX}:width": 0.04,
-            f"{BOX}:depth": 0.04,
-            f"{BOX}:cellsAcross": 6,
-            f"{BOX}:cellsAlong": 12,
-            f"{CLOUD}:solution/coupled": True,
-            f"{MODELS}/collisionModel": "cellList",
-            "system/scenePlan:gas": "auto",
-            "system/scenePlan:gasTolerance": 0.001,
-            f"{CONTROL}:deltaT": 5e-4,
-            f"{CONTROL}:adjustTimeStep": True,
-            f"{CONTROL}:maxCo": 0.4,
-            f"{CONTROL}:maxDeltaT": 1e-3,
-            f"{CONTROL}:endTime": 0.4,
-            f"{CONTROL}:writeControl": "adjustableRunTime",
-            f"{CONTROL}:writeInterval": 0.02,
-            f"{CONTROL}:purgeWrite": 2,
-            f"{CONTROL}:writeFormat": "binary",
-        },
-    )
-    sizes = {"type": "uniform", "min": 2e-4, "max": 6e-4}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    own_steps = {
+        "adjustTimeStep": True, "maxCo": 0.4, "maxDeltaT": 1e-3, "purgeWrite": 2,
+        "writeControl": "adjustableRunTime", "writeFormat": "binary",
+    }  # fmt: skip
+    case = BoxCase(
+        gas_velocity=3, side_velocity="noSlip", width=0.04, depth=0.04, cells=(6, 6, 12),
+        coupled=True, contacts=Contacts(), solve_gas="auto", gas_tolerance=0.001, step=5e-4,
+        end=0.4, interval=0.02,
+        more={f"{CONTROL}:{name}": value for name, value in own_steps.items()},
+    ).make(folder)  # fmt: skip
+    quartz = material(2650, type="uniform", min=2e-4, max=6e-4)
     add_feed(case, {"massFlowRate": 2e-3, "particles": 300, "velocity": [0.4, 0, 0],
-                    "drainTime": 0.2, "materials": {"quartz": quartz}})  # fmt: skip
+                    "drainTime": 0.2, "materials": quartz})  # fmt: skip
     if processors > 1:
         run_program(["decomposePar"], case)
     return case

@@ -12,20 +12,20 @@ import numpy as np
 import pytest
 
 from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
-from elutria_validation.harness.common import project_root, run_program
-from elutria_validation.harness.scene import (
-    BOX,
-    CONTACTS,
+from elutria_validation.harness.box import CLOSED, NO_DRAG, BoxCase, Contacts, Pair, cube
+from elutria_validation.harness.cases import (
     CONTROL,
     MODELS,
-    Particles,
     add_feed,
     change,
-    make_scene,
-    read_particles,
-    run_scene,
+    material,
+    solve,
     times,
+    timing,
+    uniform,
 )
+from elutria_validation.harness.particles import Particles, read_particles
+from elutria_validation.harness.programs import project_root, run_program
 from tests.support import meshes
 
 Note = Callable[[str, float, float], None]
@@ -43,7 +43,7 @@ def closes(case: Path, measured: Note, least: int = 0) -> None:
 
 def meshed(folder: Path, kind: str) -> Path:
     """A scene on one of the meshes, gas rising at 3 m/s everywhere and left as it is."""
-    case = make_scene(folder, settings={f"{BOX}:gasVelocity": 3})
+    case = BoxCase(gas_velocity=3).make(folder)
     plan = {"zigzag": meshes.zigzag, "baffle": meshes.baffled}.get(kind, meshes.cylinder)
     (case / "system/blockMeshDict").write_text(plan())
     shutil.rmtree(case / "constant/polyMesh")
@@ -72,22 +72,15 @@ def feed_through(
     case: Path, place: str, number: int, contacts: str, step: float = 1e-3, seconds: float = 0.05
 ) -> None:
     """Feed `number` of 50 to 400 um within `seconds` and let them leave."""
-    sizes = {"type": "uniform", "min": 5e-5, "max": 4e-4, "weighting": "number"}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
     mean = 2650 * np.pi / 6 * (4e-4**4 - 5e-5**4) / 4 / 3.5e-4
     add_feed(case, {"massFlowRate": float(mean * number / seconds), "particles": number,
                     "velocity": [0.3, 0.1, 0.2], "drainTime": 3,
-                    "materials": {"quartz": quartz}})  # fmt: skip
+                    "materials": uniform(2650, 5e-5, 4e-4)})  # fmt: skip
     text = (case / "constant/feed").read_text()
     (case / "constant/feed").write_text(text.replace("patch west", place))
     change(
         case,
-        {
-            f"{MODELS}/collisionModel": contacts,
-            f"{CONTROL}:deltaT": step,
-            f"{CONTROL}:endTime": 4,
-            f"{CONTROL}:writeInterval": 1,
-        },
+        {**timing(step, 4), f"{CONTROL}:writeInterval": 1, f"{MODELS}/collisionModel": contacts},
     )
 
 
@@ -99,7 +92,7 @@ HARD_MESHES = pytest.mark.parametrize("kind", ["zigzag", "warped", "polyhedra", 
 def test_through_hard_meshes(tmp_path: Path, measured: Note, kind: str, contacts: str) -> None:
     case = meshed(tmp_path / "case", kind)
     feed_through(case, entrance(kind), 2000, contacts)
-    run_scene(case)
+    solve(case)
     closes(case, measured, least=1000)
 
 
@@ -109,7 +102,7 @@ def test_a_million_through_hard_meshes(tmp_path: Path, measured: Note, kind: str
     """Without contacts: a million so close would jam, and it is the tracking that may lose one."""
     case = meshed(tmp_path / "case", kind)
     feed_through(case, entrance(kind), 1_000_000, "none", step=2e-3, seconds=1.0)
-    run_scene(case)
+    solve(case)
     closes(case, measured, least=500_000)
 
 
@@ -135,30 +128,8 @@ def test_a_million_through_the_default_column(
     )
     shutil.copytree(case / "0.orig", case / "0")
     run_program(["blockMesh"], case)
-    run_scene(case)
+    solve(case)
     closes(case, measured, least=500_000)
-
-
-def box(folder: Path, particles: Particles | None, contacts: str, **control: float) -> Path:
-    """A closed box, 20 mm, 4 x 4 x 4 cells, gas at rest, no gravity."""
-    return make_scene(
-        folder,
-        particles,
-        {
-            **{f"{BOX}:{name}": 0.02 for name in ("width", "depth", "height")},
-            f"{BOX}:cellsAcross": 4,
-            f"{BOX}:cellsAlong": 4,
-            f"{BOX}:ends": "wall",
-            f"{BOX}:bottomGroup": "closed",
-            f"{BOX}:topGroup": "closed",
-            f"{BOX}:gravity": 0,
-            f"{MODELS}/particleForces": {"gravity": {}},
-            f"{MODELS}/collisionModel": contacts,
-            f"{CONTACTS}/particleParticle": {"restitution": 1, "friction": 0},
-            f"{CONTACTS}/particleWall": {"restitution": 1, "friction": 0},
-            **{f"{CONTROL}:{name}": value for name, value in control.items()},
-        },
-    )
 
 
 @pytest.mark.parametrize("processors", [1, 2])
@@ -180,8 +151,11 @@ def test_grazing_edges_corners_and_processors(
     velocity[np.arange(count), along] += random.choice([-1.0, 1.0], count)
     velocity[::10] = random.choice([-1.0, 1.0], (len(velocity[::10]), 3))  # into the corners
     start = Particles.of(place, velocity, diameter=2 * radius)
-    case = box(tmp_path / "case", start, contacts, deltaT=2e-3, endTime=0.2, writeInterval=0.2)
-    run_scene(case, processors)
+    case = BoxCase(
+        **cube(side, 4), **CLOSED, gravity=0, forces=NO_DRAG, step=2e-3, end=0.2,
+        contacts=Contacts(Pair(1)) if contacts == "cellList" else None,
+    ).make(tmp_path / "case", start)  # fmt: skip
+    solve(case, processors)
     if processors > 1:
         run_program(["reconstructPar"], case)
     after = read_particles(case, times(case)[-1])
@@ -194,28 +168,14 @@ def test_grazing_edges_corners_and_processors(
 @pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
 def test_particles_larger_than_their_cells(tmp_path: Path, measured: Note, contacts: str) -> None:
     """Of 1 to 4 mm in cells of 1 mm, through gas that is solved."""
-    case = make_scene(
-        tmp_path / "case",
-        settings={
-            f"{BOX}:gasVelocity": 8,
-            **{f"{BOX}:{name}": 0.012 for name in ("width", "depth")},
-            f"{BOX}:height": 0.016,
-            f"{BOX}:cellsAcross": 12,
-            f"{BOX}:cellsAlong": 16,
-            "constant/kinematicCloudProperties:solution/coupled": True,
-            f"{MODELS}/collisionModel": contacts,
-            "system/scenePlan:gas": "auto",
-            "system/scenePlan:gasCourant": 1,
-            f"{CONTROL}:deltaT": 1e-3,
-            f"{CONTROL}:endTime": 0.04,
-            f"{CONTROL}:writeInterval": 0.04,
-        },
-    )
-    sizes = {"type": "uniform", "min": 1e-3, "max": 4e-3, "weighting": "number"}
-    quartz = {"density": 1000, "massFraction": 1, "sizeDistribution": sizes}
+    case = BoxCase(
+        gas_velocity=8, width=0.012, depth=0.012, height=0.016, cells=(12, 12, 16), coupled=True,
+        contacts=Contacts() if contacts == "cellList" else None, solve_gas="auto", gas_courant=1,
+        end=0.04,
+    ).make(tmp_path / "case")  # fmt: skip
     add_feed(case, {"massFlowRate": 0.06, "particles": 100, "velocity": [0.5, 0, 0],
-                    "drainTime": 0.1, "materials": {"quartz": quartz}})  # fmt: skip
-    run_scene(case)
+                    "drainTime": 0.1, "materials": uniform(1000, 1e-3, 4e-3)})  # fmt: skip
+    solve(case)
     closes(case, measured, least=10)
 
 
@@ -223,46 +183,22 @@ def test_a_feed_on_the_faces_of_cells(tmp_path: Path, measured: Note) -> None:
     """Every particle starts in the plane between two layers of cells."""
     diameter, cells = 1e-3, 10
     width = cells * 0.5 * diameter * (1 + 1e-6)
-    case = make_scene(
-        tmp_path / "case",
-        settings={
-            f"{BOX}:gasVelocity": 2,
-            **{f"{BOX}:{name}": width for name in ("width", "depth", "height")},
-            f"{BOX}:cellsAcross": cells,
-            f"{BOX}:cellsAlong": cells,
-            f"{CONTROL}:deltaT": 1e-4,
-            f"{CONTROL}:endTime": 0.05,
-            f"{CONTROL}:writeInterval": 0.05,
-        },
-    )
-    sizes = {"type": "fixedValue", "value": diameter}
-    quartz = {"density": 2650, "massFraction": 1, "sizeDistribution": sizes}
+    box = BoxCase(**cube(width, cells), gas_velocity=2, step=1e-4, end=0.05)
+    case = box.make(tmp_path / "case")
+    quartz = material(2650, type="fixedValue", value=diameter)
     feed = {"massFlowRate": 0.2, "particles": 1000, "drainTime": 0.02}
-    add_feed(case, {**feed, "materials": {"quartz": quartz}})
-    run_scene(case, processors=2)
+    add_feed(case, {**feed, "materials": quartz})
+    solve(case, processors=2)
     closes(case, measured, least=400)
 
 
 @pytest.mark.parametrize("contacts", MODELS_OF_CONTACT)
 def test_an_outlet_that_flows_back(tmp_path: Path, measured: Note, contacts: str) -> None:
     """Gas blows in through the outlets for the particles, downwards and then upwards."""
-    case = make_scene(
-        tmp_path / "case",
-        settings={
-            f"{BOX}:gasVelocity": 4,
-            **{f"{BOX}:{name}": 0.02 for name in ("width", "depth")},
-            f"{BOX}:height": 0.06,
-            f"{BOX}:cellsAcross": 4,
-            f"{BOX}:cellsAlong": 12,
-            "constant/kinematicCloudProperties:solution/coupled": True,
-            f"{MODELS}/collisionModel": contacts,
-            "system/scenePlan:gas": True,
-            "system/scenePlan:gasCourant": 1,
-            f"{CONTROL}:deltaT": 1e-3,
-            f"{CONTROL}:endTime": 0.3,
-            f"{CONTROL}:writeInterval": 0.1,
-        },
-    )
+    case = BoxCase(
+        gas_velocity=4, width=0.02, depth=0.02, height=0.06, cells=(4, 4, 12), coupled=True,
+        solve_gas=True, gas_courant=1, end=0.3, interval=0.1,
+    ).make(tmp_path / "case")  # fmt: skip
     schemes = case / "system/fvSchemes"  # gas that comes in by the outlet needs a bounded one
     schemes.write_text(schemes.read_text().replace("U.air) Gauss linear;", "U.air) Gauss upwind;"))
     path = case / "0/U.air"
@@ -275,5 +211,5 @@ def test_an_outlet_that_flows_back(tmp_path: Path, measured: Note, contacts: str
     path.write_text(re.sub(r"outflow\s*\{[^}]*\}", back, text))
     feed_through(case, "patch west", 500, contacts, seconds=0.1)
     change(case, {f"{CONTROL}:endTime": 0.3, f"{CONTROL}:writeInterval": 0.1})
-    run_scene(case)
+    solve(case)
     closes(case, measured, least=250)

@@ -9,55 +9,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria_validation.benchmarks.stability_scenes import (
-    EndedEarly,
-    colliding,
-    contacts,
-    kinetic_energy,
-    solve,
-)
-from elutria_validation.harness.scene import (
-    BOX,
+from elutria_validation.harness.box import BoxCase, Contacts
+from elutria_validation.harness.cases import (
     CLOUD,
     CONTROL,
-    MODELS,
+    PLAN,
     add_feed,
     change,
-    make_scene,
+    material,
     read_gas,
     times,
 )
-
-SIZE = {"type": "fixedValue", "value": 5e-4}
-QUARTZ = {"density": 2650, "massFraction": 1, "sizeDistribution": SIZE}
+from elutria_validation.harness.scenes import EndedEarly, attempt, colliding, contacts
 
 
 def test_a_contact_step_far_too_large_is_lowered(tmp_path: Path) -> None:
-    settings = contacts(restitution=1, friction=0, treatment="soft", step=1e-4)
-    start, after, output = colliding(tmp_path / "case", settings, number=125, end=0.02, step=2e-4)
+    law = contacts(restitution=1, friction=0, treatment="soft", step=1e-4)
+    start, after, output = colliding(tmp_path / "case", law, number=125, end=0.02, step=2e-4)
     assert "contact step of 0.0001 s is above 0.2" in output
-    assert kinetic_energy(after) == pytest.approx(kinetic_energy(start), rel=0.1)
+    assert after.kinetic_energy == pytest.approx(start.kinetic_energy, rel=0.1)
 
 
 def gas_scene(folder: Path, velocity: float, **plan: object) -> Path:
     """Gas through a box with a feed of 200, its inflow `velocity` from 0.05 s on."""
-    case = make_scene(
-        folder,
-        settings={
-            f"{BOX}:gasVelocity": 2,
-            f"{BOX}:cellsAcross": 4,
-            f"{BOX}:cellsAlong": 4,
-            f"{CLOUD}:solution/coupled": True,
-            f"{MODELS}/collisionModel": "cellList",
-            "system/scenePlan:gas": True,
-            **{f"system/scenePlan:{name}": value for name, value in plan.items()},
-            f"{CONTROL}:deltaT": 1e-3,
-            f"{CONTROL}:endTime": 0.1,
-            f"{CONTROL}:writeInterval": 0.1,
-        },
-    )
-    feed = {"massFlowRate": 2e-3, "particles": 200, "drainTime": 1, "materials": {"quartz": QUARTZ}}
-    add_feed(case, feed)
+    case = BoxCase(
+        gas_velocity=2, cells=(4, 4, 4), coupled=True, contacts=Contacts(), solve_gas=True,
+        end=0.1, more={f"{PLAN}:{name}": value for name, value in plan.items()},
+    ).make(folder)  # fmt: skip
+    quartz = material(2650, type="fixedValue", value=5e-4)
+    add_feed(case, {"massFlowRate": 2e-3, "particles": 200, "drainTime": 1, "materials": quartz})
     inflow(case, velocity)
     return case
 
@@ -78,7 +58,7 @@ def inflow(case: Path, velocity: float) -> None:
 def test_a_gas_that_cannot_be_solved_ends_with_the_last_sound_state(tmp_path: Path) -> None:
     case = gas_scene(tmp_path / "case", 1e5, retakes=2)
     with pytest.raises(EndedEarly) as caught:
-        solve(case)
+        attempt(case)
     said = caught.value.verdict.note
     assert said.startswith("the gas diverged at time 0.05")
     assert "in cell" in said
@@ -91,7 +71,7 @@ def test_a_gas_that_cannot_be_solved_ends_with_the_last_sound_state(tmp_path: Pa
 
     # it can be started again from there, when what was wrong is put right
     inflow(case, 2)
-    solve(case)
+    attempt(case)
     tables = list((case / "postProcessing/outlets").rglob("particles.csv"))
     rows = [line.split(",")[3] for table in tables for line in table.read_text().splitlines()[1:]]
     assert len(rows) == len(set(rows))
@@ -117,7 +97,7 @@ def test_a_long_gas_step_is_taken_in_parts(tmp_path: Path) -> None:
     gas = []
     for case in cases:
         change(case, {f"{CLOUD}:solution/coupled": False})
-        solve(case)
+        attempt(case)
         gas.append(read_gas(case, times(case)[-1]))
     log = (cases[0] / "log.elutriaFoam").read_text()
     assert log.count("continuity errors") > 2 * log.count("\nTime = ")

@@ -13,10 +13,10 @@ from elutria.case.case import PARAMETERS, Case
 from elutria.classification.events import Events, read_run
 from elutria.estimates.scene import block_mesh_box, expect
 from elutria.running.run import run_case
-from elutria_validation.benchmarks.stability_scenes import bed, column, contacts
 from elutria_validation.chapters.classification import GRAINS, loaded
-from elutria_validation.harness.common import project_root
-from elutria_validation.harness.scene import CLOUD, read_gas, times
+from elutria_validation.harness.cases import CLOUD, read_gas, times
+from elutria_validation.harness.programs import project_root
+from elutria_validation.harness.scenes import CoarseColumn, contacts, settling_bed
 
 Note = Callable[[str, float, float], None]
 
@@ -25,7 +25,8 @@ Note = Callable[[str, float, float], None]
 def test_gas_at_rest_wakes_when_its_inlet_changes(tmp_path: Path, start: float, end: float) -> None:
     """A ramp within 0.1 s, and particles too few to be felt."""
     ramp = f"(0 (0 0 {start})) (0.1 (0 0 {start})) (0.2 (0 0 {end})) (9 (0 0 {end}))"
-    case, output = column(tmp_path / "case", start, 1e-5, inlet=ramp, end=0.3, particles=20)
+    case = tmp_path / "case"
+    output = CoarseColumn(start, 1e-5, inlet=ramp, particles=20).run(case)
     through = read_gas(case, times(case)[-1])[:, 2].mean()
     assert through == pytest.approx(end, rel=0.02)
     assert "left at rest" in output
@@ -95,7 +96,7 @@ def test_laminar_gas_disperses_nothing_whatever_the_model(tmp_path: Path) -> Non
 def test_spheres_without_friction_move_as_with_hardly_any(tmp_path: Path) -> None:
     """Spin and tangential history are skipped without friction."""
     smooth, rough = (
-        bed(tmp_path / f"{friction}", contacts(friction=friction), end=0.016, step=1e-3)[1]
+        settling_bed(tmp_path / f"{friction}", contacts(friction=friction), end=0.016, step=1e-3)[1]
         for friction in (0, 1e-9)
     )
     assert np.abs(smooth.position - rough.position).max() < 1e-6  # of 1 mm

@@ -7,17 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria_validation.harness.scene import (
-    BOX,
-    CONTACTS,
-    CONTROL,
-    MODELS,
-    Particles,
-    make_scene,
-    read_particles,
-    run_scene,
-    times,
-)
+from elutria_validation.harness.box import BoxCase, Contacts, cube
+from elutria_validation.harness.cases import solve, times
+from elutria_validation.harness.particles import Particles, read_particles
 
 RADIUS, SPEED = 1e-3, 0.1
 
@@ -25,22 +17,11 @@ RADIUS, SPEED = 1e-3, 0.1
 @pytest.mark.parametrize("treatment", ["soft", "auto"])
 def test_a_sphere_turns_one_radius_before_the_plane(tmp_path: Path, treatment: str) -> None:
     start = Particles.of([3e-3, 5e-3, 5e-3], [-SPEED, 0, 0.02], [0, 5, 0], 2 * RADIUS)
-    case = make_scene(
-        tmp_path / "case",
-        start,
-        {
-            **{f"{BOX}:{name}": 0.01 for name in ("width", "depth", "height")},
-            f"{BOX}:sides": "symmetry",
-            f"{BOX}:gravity": 0,
-            f"{MODELS}/particleForces": {},
-            f"{MODELS}/collisionModel": "cellList",
-            f"{CONTACTS}/treatment": treatment,
-            f"{CONTROL}:deltaT": 2e-3,
-            f"{CONTROL}:endTime": 0.04,
-            f"{CONTROL}:writeInterval": 2e-3,
-        },
-    )
-    run_scene(case)
+    case = BoxCase(
+        **cube(0.01), sides="symmetry", gravity=0, forces={}, step=2e-3, end=0.04, interval=2e-3,
+        contacts=Contacts(treatment=treatment),
+    ).make(tmp_path / "case", start)  # fmt: skip
+    solve(case)
     found = [read_particles(case, t) for t in times(case)[1:]]
     nearest = min(float(p.position[0, 0]) for p in found)
     assert 0.9 * RADIUS < nearest < 1.2 * RADIUS

@@ -1,7 +1,11 @@
-"""`elutria bench` and `elutria verify`: read options, run modules, turn failed rows into codes."""
+"""`elutria bench` and `elutria verify`: read options, run modules, turn failed rows into codes.
+
+What is heavy to load is imported where it is used: every command of elutria reads this file.
+"""
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,6 +16,11 @@ from elutria.errors import ElutriaError, InputError, one_line, suggestion
 
 console = Console()
 errors = Console(stderr=True)
+
+QuickOption = Annotated[bool, typer.Option("--quick", help="A short version.")]
+OwnOptions = Annotated[
+    list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="Its own; see 'list'.")
+]
 
 
 def register(app: typer.Typer) -> None:
@@ -24,103 +33,108 @@ def bench(
     name: Annotated[str, typer.Argument(help="Which one; 'list' names them all.")],
     to: Annotated[Path | None, typer.Option(help="Folder; default: results/bench/NAME.")] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Runs of each timed thing.")] = 5,
-    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
-    option: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The benchmark's own options.")
-    ] = None,
+    quick: QuickOption = False,
+    option: OwnOptions = None,
 ) -> None:
     """Benchmarks: each writes csv, a figure, and the versions and machine it ran on."""
-    from elutria_validation import benchmarks
+    from elutria_validation.harness.job import Job, parse_options
 
-    _run_module(benchmarks, name, to or Path("results/bench") / name, repeats, quick, option)
+    known = modules("benchmarks")
+    if name == "list":
+        _list(known)
+        return
+    module = _chosen(known, name)
+    options: Any = parse_options(_options(module), option or [], quick)
+    module.run(Job(to or Path("results/bench") / name, repeats, quick, _say), options)
 
 
 def verify(
     name: Annotated[str, typer.Argument(help="Which one; 'list' names them, 'all' runs all.")],
     to: Annotated[Path | None, typer.Option(help="Folder; default: results/verify/NAME.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="A short version.")] = False,
+    quick: QuickOption = False,
     jobs: Annotated[int, typer.Option(min=1, help="Of 'all': so many side by side.")] = 2,
-    option: Annotated[
-        list[str] | None, typer.Option(metavar="KEY=VALUE", help="The reference's own options.")
-    ] = None,
+    option: OwnOptions = None,
 ) -> None:
     """Reference results, run through the code that users run; exit code 1 if a judged row fails."""
     from concurrent.futures import ProcessPoolExecutor
 
-    from elutria_validation import chapters
+    from elutria_validation.harness.job import NoOptions, parse_options
 
-    if name != "all":
-        folder = to or Path("results/verify") / name
-        _refuse_failures(name, _verify_chapter(name, folder, quick, option), folder)
+    known = modules("chapters")
+    if name == "list":
+        _list(known)
         return
-    folder = to or Path("results/verify")
-    with ProcessPoolExecutor(jobs) as pool:
-        pending = {
-            chosen: pool.submit(_verify_chapter, chosen, folder / chosen, quick, option)
-            for chosen in modules(chapters)
-        }
-    _refuse_failures(
-        "all", [f"{key}: {line}" for key, done in pending.items() for line in done.result()], folder
-    )
+    parse_options(NoOptions, option or [], quick)
+    folder = to or Path("results/verify") / ("" if name == "all" else name)
+    if name == "all":
+        with ProcessPoolExecutor(jobs) as pool:
+            pending = {key: pool.submit(_failures, key, folder / key, quick) for key in known}
+        failures = [f"{key}: {line}" for key, done in pending.items() for line in done.result()]
+    else:
+        _chosen(known, name)
+        failures = _failures(name, folder, quick)
+    for line in failures:
+        errors.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
+    if failures:
+        raise ElutriaError(f"verify {name}: {len(failures)} judged rows failed; see {folder}")
 
 
-def modules(package: Any) -> dict[str, Any]:
-    """By NAME, the modules of a package that have a `run`."""
+def modules(room: str) -> dict[str, Any]:
+    """By NAME, the modules of a room that are a benchmark or a chapter."""
     import importlib
     import pkgutil
 
+    package = importlib.import_module(f"elutria_validation.{room}")
     found = {}
     for entry in pkgutil.iter_modules(package.__path__):
         module = importlib.import_module(f"{package.__name__}.{entry.name}")
-        if hasattr(module, "NAME") and hasattr(module, "run"):
+        if hasattr(module, "NAME"):
             found[module.NAME] = module
     return found
 
 
-def _verify_chapter(name: str, folder: Path, quick: bool, option: list[str] | None) -> list[str]:
+def _failures(name: str, folder: Path, quick: bool) -> list[str]:
     """A line for each judged row that failed, or for the chapter that could not be run."""
-    from elutria_validation import chapters
+    from elutria_validation.book.writing import run_chapter
+    from elutria_validation.harness.job import Job
 
+    module = modules("chapters")[name]
     try:
-        chapter = _run_module(chapters, name, folder, 1, quick, option)
+        job = Job(folder, quick=quick, say=_say)
+        chapter = run_chapter(job, module.NAME, module.TITLE, module.SECTIONS)
     except InputError:
         raise
     except ElutriaError as error:
         return [f"FAIL {error}"]
-    return [] if chapter is None else [row.failure for row in chapter.failed]
+    return [row.failure for row in chapter.failed]
 
 
-def _refuse_failures(name: str, failures: list[str], folder: Path) -> None:
-    """Raises ElutriaError where there are failures, after a line for each."""
-    if not failures:
-        return
-    for line in failures:
-        errors.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
-    raise ElutriaError(f"verify {name}: {len(failures)} judged rows failed; see {folder}")
-
-
-def _run_module(
-    package: Any, name: str, folder: Path, repeats: int, quick: bool, extra: list[str] | None
-) -> Any:
-    """What the module's `run` returns; None after `list`."""
-    from elutria_validation.harness.common import Options
-
-    known: dict[str, Any] = modules(package)
-    if name == "list":
-        for key in sorted(known):
-            console.print(f"{key}: {known[key].HELP}", highlight=False, soft_wrap=True)
-        return None
+def _chosen(known: dict[str, Any], name: str) -> Any:
     if name not in known:
         raise InputError(
             f"'{one_line(name, 40)}'{suggestion(name, known)}; "
             f"allowed: list, {', '.join(sorted(known))}"
         )
-    pairs = [text.partition("=") for text in extra or []]
-    if any(not (key and equals) for key, equals, _ in pairs):
-        raise InputError(f"--option {extra}; allowed: KEY=VALUE")
-    settings = {key: value for key, _, value in pairs}
+    return known[name]
 
-    def say(text: str) -> None:
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
 
-    return known[name].run(Options(folder, repeats, quick, settings, say))
+def _options(module: Any) -> type:
+    """The dataclass of a module's own options."""
+    from elutria_validation.harness.job import NoOptions
+
+    kind: type = getattr(module, "Options", NoOptions)
+    return kind
+
+
+def _list(known: dict[str, Any]) -> None:
+    from elutria_validation.harness.job import describe
+
+    for key in sorted(known):
+        own = ", ".join(describe(one) for one in fields(_options(known[key])))
+        options = f" --option {own}" if own else ""
+        console.print(f"{key}: {known[key].HELP}{options}", highlight=False, markup=False,
+                      soft_wrap=True)  # fmt: skip
+
+
+def _say(text: str) -> None:
+    console.print(text, highlight=False, markup=False, soft_wrap=True)

@@ -1,1 +1,1 @@
-"""Benchmarks: each module here has NAME, HELP and run(options); see common.py."""
+"""Benchmarks: each module here that has NAME, HELP and run(job, options) is one."""

@@ -6,19 +6,20 @@ what refining them further changes). Seconds are of processor time, from a case'
 events, the seeds' median. In the same folder, uncertainty.csv and .png say how far what nobody
 knows exactly moves the cut.
 
-Each point is run from as many seeds as `--repeats`. Options: parcels=N of the usual run (default
-1200); scenes=N, the first N alone; reference=make makes the tables again (some minutes more). Runs
-that are finished are not run again: after a break the command goes on.
+Each point is run from as many seeds as `--repeats`; reference=make makes the tables again (some
+minutes more). Runs that are finished are not run again: after a break the command goes on.
 """
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from math import nan
 from pathlib import Path
 from statistics import fmean, median
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 
@@ -50,13 +51,14 @@ from elutria_validation.benchmarks.accuracy_runs import (
     replicates,
 )
 from elutria_validation.benchmarks.accuracy_stock import run_mppic, stock_like, stretches
-from elutria_validation.harness.common import Options, slug, write_result
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.programs import slug
+from elutria_validation.harness.provenance import write_result
 
 NAME = "accuracy"
 HELP = "run time against error: closed forms, the plan and what it skips, stock; and what moves d50"
 COLUMNS = report.COLUMNS
 SCENES = (SLOW, FAST, DENSE)
-PARCELS, QUICK_PARCELS = 1200, 200
 MPPIC_RUNS = 4
 """At most: a run takes minutes."""
 QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6", "gas by points, mesh x 0.6")
@@ -64,87 +66,93 @@ QUICK = ("the plan", "mesh x 0.6", "step x 2, mesh x 0.6", "gas by points, mesh 
 Row = dict[str, Any]
 
 
-def run(options: Options) -> None:
+@dataclass(frozen=True)
+class Options:
+    """Its own."""
+
+    parcels: int = option(1200, quick=200, least=10, unit="of the usual run")
+    scenes: int = option(3, quick=1, least=1, unit="the first so many")
+    reference: Literal["kept", "make"] = option("kept")
+
+
+def run(job: Job, options: Options) -> None:
     """All scenes and points; writes accuracy.csv, .png, .json, .md and uncertainty.csv, .png."""
-    usual = QUICK_PARCELS if options.quick else PARCELS
-    parcels, seeds = int(options.extra.get("parcels", usual)), _seeds(options)
-    runs = options.folder / "accuracy-runs"  # other benchmarks have a "runs" there
-    scenes = SCENES[: 1 if options.quick else int(options.extra.get("scenes", len(SCENES)))]
-    table, refined = _references(options, runs, scenes)
+    parcels, seeds = options.parcels, _seeds(job)
+    runs = job.folder / "accuracy-runs"  # other benchmarks have a "runs" there
+    scenes = SCENES[: options.scenes]
+    table, refined = _references(job, options.reference == "make", runs, scenes)
     rows: list[Row] = []
-    moved = uncertainty.measure(runs, parcels, seeds, options.quick, options.say)
+    moved = uncertainty.measure(runs, parcels, seeds, job.quick, job.say)
     for scene in scenes:
-        rows += _scene(options, runs, scene, parcels, table[scene.name])
+        rows += _scene(job, runs, scene, parcels, table[scene.name])
     for quantity in ("d50", "curve"):
         mark_front(rows, quantity)
     with mpl.rc_context(STYLE):
-        write_result(options, NAME, COLUMNS, rows, figure(rows), {
+        write_result(job, NAME, COLUMNS, rows, figure(rows), {
             "parcels": parcels,
             "seeds": len(seeds),
             "target": report.target(rows),
             "reference": {name: one.how for name, one in table.items()},
         })  # fmt: skip
-        write_result(options, "uncertainty", uncertainty.COLUMNS, moved, uncertainty.figure(moved))
+        write_result(job, "uncertainty", uncertainty.COLUMNS, moved, uncertainty.figure(moved))
     page = report.text(rows, table, refined, moved, parcels, len(seeds))
-    write_text(options.folder / f"{NAME}.md", page)
+    write_text(job.folder / f"{NAME}.md", page)
     shutil.rmtree(runs)
 
 
-def _seeds(options: Options) -> Sequence[int]:
-    return range(1, 1 + (1 if options.quick else options.repeats))
+def _seeds(job: Job) -> Sequence[int]:
+    return range(1, 1 + (1 if job.quick else job.repeats))
 
 
 def _references(
-    options: Options, runs: Path, scenes: Sequence[Scene]
+    job: Job, anew: bool, runs: Path, scenes: Sequence[Scene]
 ) -> tuple[dict[str, Reference], list[Row]]:
     """The kept tables, or those made anew and put beside the results."""
     folder = references.kept()
-    if options.extra.get("reference") == "make":
-        folder = options.folder
-        references.write(folder, *references.make(runs, scenes, options.say))
+    if anew:
+        folder = job.folder
+        references.write(folder, *references.make(runs, scenes, job.say))
     return references.read(folder)
 
 
-def _scene(
-    options: Options, runs: Path, scene: Scene, parcels: int, reference: Reference
-) -> list[Row]:
+def _scene(job: Job, runs: Path, scene: Scene, parcels: int, reference: Reference) -> list[Row]:
     """Rows of a scene."""
     rows = [
         row(scene, form.name, "closed form", [form.seconds], [form.cut], reference.cut)
         for form in closed_forms(scene)
     ]
     for point in POINTS:
-        if not point.belongs_to(scene) or (options.quick and point.name not in QUICK):
+        if not point.belongs_to(scene) or (job.quick and point.name not in QUICK):
             continue
         folder = runs / slug(scene.name, point.name)
         rows.append(
             _tried(scene, point.name, "elutriaFoam", reference.cut,
-                   lambda f=folder, p=point: _runs(options, f, scene, p, parcels))
+                   partial(_runs, job, folder, scene, point, parcels))
         )  # fmt: skip
-        options.say(report.line(rows[-1]))
-    return rows + _stock(options, runs, scene, reference.cut)
+        job.say(report.line(rows[-1]))
+    return rows + _stock(job, runs, scene, reference.cut)
 
 
-def _runs(options: Options, folder: Path, scene: Scene, point: Point, parcels: int) -> list[Done]:
-    seeds = _seeds(options)[:1] if point.once else _seeds(options)
+def _runs(job: Job, folder: Path, scene: Scene, point: Point, parcels: int) -> list[Done]:
+    seeds = _seeds(job)[:1] if point.once else _seeds(job)
     return replicates(folder, scene, point, parcels, seeds)
 
 
-def _stock(options: Options, runs: Path, scene: Scene, reference: Cut) -> list[Row]:
+def _stock(job: Job, runs: Path, scene: Scene, reference: Cut) -> list[Row]:
     """Stock's rows: MPPICFoam to the end, DPMFoam by a stretch."""
     rows = []
-    if options.quick:
+    if job.quick:
         rows.append(failed(scene, "stock MPPICFoam", "stock", "left out of --quick"))
     else:
         folder = runs / slug(scene.name, "mppic")
         rows.append(
             _tried(scene, "stock MPPICFoam", "stock", reference,
-                   lambda: run_mppic(folder, scene, min(len(_seeds(options)), MPPIC_RUNS)))
+                   lambda: run_mppic(folder, scene, min(len(_seeds(job)), MPPIC_RUNS)))
         )  # fmt: skip
     folder = runs / slug(scene.name, "stock")
     try:
         like, filled = stock_like(folder, scene)
-        others = [] if options.quick or scene == DENSE else _seeds(options)[1:]
+        others = [] if job.quick or scene == DENSE else _seeds(job)[1:]
         done = [like, *replicates(folder, scene, STOCK_LIKE, 0, others)]
     except ElutriaError as error:
         return [*rows, failed(scene, "stock DPMFoam", "stock", str(error))]
@@ -152,13 +160,13 @@ def _stock(options: Options, runs: Path, scene: Scene, reference: Cut) -> list[R
     number = len(like.run.events)
     rows.append(row(scene, STOCK_LIKE.name, "elutriaFoam", [one.seconds for one in done], cuts,
                     reference, parcels=number))  # fmt: skip
-    for stretch in stretches(folder, scene, filled, options.quick, options.say):
+    for stretch in stretches(folder, scene, filled, job.quick, job.say):
         kind = "ours in DPMFoam" if "our contacts" in stretch.name else "stock"
         note = f"{stretch.note}; error: elutriaFoam with stock's models"
         rows.append(row(scene, stretch.name, kind, [stretch.seconds], cuts, reference, True, note,
                         number))  # fmt: skip
     for one in rows:
-        options.say(report.line(one))
+        job.say(report.line(one))
     return rows
 
 

@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from elutria.output.plots import COLUMN_WIDTH
@@ -43,10 +44,10 @@ def figure(rows: Sequence[Row]) -> Figure:
     for axes in panels[-1]:
         axes.set_xlabel("processor time, s (hollow: extrapolated)")
     handles = [
-        plt.Line2D([], [], marker=mark, color=colour, linestyle="", markersize=4, label=kind)
+        Line2D([], [], marker=mark, color=colour, linestyle="", markersize=4, label=kind)
         for kind, (mark, colour) in KINDS.items()
     ]
-    handles.append(plt.Line2D([], [], color="0.5", linewidth=0.8, label="Pareto front of the runs"))
+    handles.append(Line2D([], [], color="0.5", linewidth=0.8, label="Pareto front of the runs"))
     result.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return result
 

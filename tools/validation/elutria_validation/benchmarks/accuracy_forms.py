@@ -13,7 +13,7 @@ from elutria.estimates.theory import drift_dispersion_fines_share
 from elutria.physics.drag import plug_flow_cut_size, terminal_velocity
 from elutria_validation.benchmarks.accuracy_error import Cut, cut_of_curve
 from elutria_validation.benchmarks.accuracy_runs import Scene
-from elutria_validation.harness.common import project_root
+from elutria_validation.harness.programs import project_root
 
 HEIGHT, LENGTH = 0.25, 0.5
 """m: of the feed above the bottom, and of the shaft."""
@@ -55,8 +55,8 @@ def dispersion(velocity: float) -> float:
     T as `continuousDispersionRAS` has it: Pope's Lagrangian time, shortened by the slip, which at
     the cut is the gas velocity (Csanady 1963).
     """
-    k = 1.5 * (INTENSITY * velocity) ** 2
-    epsilon = C_MU**0.75 * k**1.5 / MIXING_LENGTH
+    k: float = 1.5 * (INTENSITY * velocity) ** 2
+    epsilon: float = C_MU**0.75 * k**1.5 / MIXING_LENGTH
     variance = 2 / 3 * k
     lagrangian = k / epsilon / (0.5 + 0.75 * C_0)
     return variance * lagrangian / sqrt(1 + velocity**2 / variance)

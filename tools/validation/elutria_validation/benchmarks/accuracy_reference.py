@@ -26,7 +26,8 @@ from elutria_validation.benchmarks.accuracy_runs import (
     replicates,
     step,
 )
-from elutria_validation.harness.common import machine, project_root, slug
+from elutria_validation.harness.programs import project_root, slug
+from elutria_validation.harness.provenance import machine
 
 COLUMNS = (
     "scene", "how", "parcels", "seeds", "seconds", "made", "commit",
@@ -162,9 +163,12 @@ def write(folder: Path, rows: Sequence[Row], refined: Sequence[Row]) -> None:
 
 def _reference(rows: list[dict[str, Any]]) -> Reference:
     first = rows[0]
-    columns = ("diameter_m", "partition_to_coarse")
-    cut = Cut(
-        *(float(first[name]) for name in ("d50_m", "d50_sd_m", "sharpness", "sharpness_sd")),
-        *(np.array([float(row[name]) for row in rows]) for name in columns),
+    d50, d50_sd, sharpness, sharpness_sd = (
+        float(first[name]) for name in ("d50_m", "d50_sd_m", "sharpness", "sharpness_sd")
     )
+    diameter, share = (
+        np.array([float(row[name]) for row in rows])
+        for name in ("diameter_m", "partition_to_coarse")
+    )
+    cut = Cut(d50, d50_sd, sharpness, sharpness_sd, diameter, share)
     return Reference(cut, str(first["how"]), int(first["parcels"]), float(first["seconds"]))

@@ -22,7 +22,7 @@ from elutria_validation.benchmarks.accuracy_runs import (
     STOCK_LIKE,
 )
 from elutria_validation.benchmarks.accuracy_stock import LATER
-from elutria_validation.harness.common import machine
+from elutria_validation.harness.provenance import machine
 
 TEXTS = ("scene", "point", "kind", "extrapolated", "note")
 COLUMNS = (
@@ -54,7 +54,7 @@ def line(row: Row) -> str:
     """One line for the terminal."""
     said = f"{row['scene']}, {row['point']}: "
     if not isfinite(row["seconds"]):
-        return said + row["note"]
+        return f"{said}{row['note']}"
     mark = " (extrapolated)" if row["extrapolated"] else ""
     return (
         f"{said}{row['seconds']:.3g} s{mark}, d50 {100 * row['d50_error']:+.1f} "

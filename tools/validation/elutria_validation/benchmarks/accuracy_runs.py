@@ -18,8 +18,8 @@ from elutria.case.case import Case
 from elutria.classification.events import Run, read_run
 from elutria.files import read_json, write_json, write_text
 from elutria.running.run import is_finished, run_case
-from elutria_validation.harness.common import processor_time, project_root
-from elutria_validation.harness.scene import BOX, CLOUD, CONTACTS, CONTROL, MODELS, change
+from elutria_validation.harness.cases import CLOUD, CONTACTS, CONTROL, MODELS, PARAMETERS, change
+from elutria_validation.harness.programs import processor_time, project_root
 
 FEED_TIME, DRAIN_TIME = 0.25, 4.0
 """s: of the feed, and from its end to the run's end."""
@@ -40,11 +40,11 @@ class Scene:
     def changes(self, parcels: int) -> dict[str, Any]:
         """Entries of the case."""
         return {
-            f"{BOX}:gasVelocity": self.velocity,
-            f"{BOX}:loading": self.loading,
-            f"{BOX}:particles": parcels,
-            f"{BOX}:feedTime": FEED_TIME,
-            f"{BOX}:drainTime": DRAIN_TIME,
+            f"{PARAMETERS}:gasVelocity": self.velocity,
+            f"{PARAMETERS}:loading": self.loading,
+            f"{PARAMETERS}:particles": parcels,
+            f"{PARAMETERS}:feedTime": FEED_TIME,
+            f"{PARAMETERS}:drainTime": DRAIN_TIME,
             f"{CONTROL}:writeInterval": 1000,
         }
 
@@ -96,7 +96,7 @@ SOFT = {f"{CONTACTS}/treatment": "soft"}
 NO_CONTACTS = {f"{MODELS}/collisionModel": "none"}
 ONE_WAY = {f"{CLOUD}:solution/coupled": False}
 BY_POINTS = {f"{CLOUD}:solution/interpolationSchemes/U.air": "cellPoint"}
-REAL = {f"{BOX}:parcels": "particles"}
+REAL = {f"{PARAMETERS}:parcels": "particles"}
 STOCK_MODELS: Changes = {
     **drag("sphereDrag"),
     f"{MODELS}/dispersionModel": "stochasticDispersionRAS",
@@ -139,16 +139,17 @@ POINTS = (
     Point("gas by points", BY_POINTS, dense=False),
     Point("gas by points, mesh x 0.6", BY_POINTS, mesh=0.6, fast=False, dense=False),
     Point(f"gas by points, {FINE}", {**BY_POINTS, **ONE_WAY}, 3, 1.5, fast=False, dense=False),
-    Point("emptied for 1 s", {f"{BOX}:drainTime": 1}, dense=False),
+    Point("emptied for 1 s", {f"{PARAMETERS}:drainTime": 1}, dense=False),
     Point("no focus", {"constant/feed:focus": "none"}, dense=False),
-    Point("parcels evenMass", {f"{BOX}:parcels": "evenMass"}, fast=False, dense=False),
+    Point("parcels evenMass", {f"{PARAMETERS}:parcels": "evenMass"}, fast=False, dense=False),
     Point("parcels particles", REAL, fast=False, dense=False),
     Point("parcels particles, step / 2", {**REAL, **step(0.5)}, column=False, once=True),
     Point("parcels particles, mesh x 0.6", REAL, mesh=0.6, column=False, once=True),
 )  # fmt: skip
 STOCK_LIKE = Point("stock's models", {**REAL, **STOCK_MODELS})
-REFERENCE = Point("mesh x 1.5, step / 2, emptied for 8 s", {**step(0.5), f"{BOX}:drainTime": 8},
-                  mesh=1.5)  # fmt: skip
+REFERENCE = Point(
+    "mesh x 1.5, step / 2, emptied for 8 s", {**step(0.5), f"{PARAMETERS}:drainTime": 8}, mesh=1.5
+)
 DENSE_REFERENCE = Point(
     "parcels particles, step / 2, gas tolerance / 2",
     {**REAL, **step(0.5), "system/scenePlan:gasTolerance": 0.005},
@@ -185,9 +186,9 @@ def make_case(folder: Path, scene: Scene, point: Point, parcels: int, seed: int 
     shutil.rmtree(case, ignore_errors=True)
     Case(project_root() / "cases/column").copy_to(case, [])
     number = max(round(point.parcels * parcels), 10)
-    if f"{BOX}:parcels" in point.changes and point.changes[f"{BOX}:parcels"] == "particles":
+    if point.changes.get(f"{PARAMETERS}:parcels") == "particles":
         number = 10**6  # as many as the feed has in its time
-    change(case, {**scene.changes(number), f"{BOX}:seed": seed, **point.changes})
+    change(case, {**scene.changes(number), f"{PARAMETERS}:seed": seed, **point.changes})
     if point.mesh != 1:
         refine(case, point.mesh)
     return case

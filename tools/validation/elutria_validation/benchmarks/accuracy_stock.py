@@ -40,8 +40,8 @@ from elutria_validation.benchmarks.column import (
     hand_to_stock,
     stock_step,
 )
-from elutria_validation.harness.common import processor_time, run_program, slug
-from elutria_validation.harness.scene import CLOUD, CONTROL, MODELS, change
+from elutria_validation.harness.cases import CLOUD, CONTROL, MODELS, change
+from elutria_validation.harness.programs import processor_time, run_program, slug
 
 START = 0.2
 """s, of the stretches."""

@@ -18,21 +18,17 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from elutria.files import write_csv
 from elutria.output.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
-from elutria_validation.chapters.goldschmidt import STEP, make_bed, read_history
-from elutria_validation.harness.common import Options, run_program, slug, write_result
-from elutria_validation.harness.scene import (
-    CONTROL,
-    MODELS,
-    change,
-    read_particles,
-    run_scene,
-    times,
-    write_particles,
-)
+from elutria_validation.harness.cases import CONTROL, MODELS, change, solve, times
+from elutria_validation.harness.goldschmidt import STEP, make_bed, read_history
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.particles import read_particles, write_particles
+from elutria_validation.harness.programs import run_program, slug
+from elutria_validation.harness.provenance import write_result
 
 NAME = "bed"
 HELP = "the moving Goldschmidt bed's pressure drop and height, ours beside stock's"
@@ -66,20 +62,23 @@ VARIANTS = (
 
 
 @rc_context(STYLE)
-def run(options: Options) -> None:
-    """Run every variant and write bed.csv, bed_series.csv, .png and .json.
+@dataclass(frozen=True)
+class Options:
+    """Its own. elutriaFoam takes 8 times as much as the reference: its windows of the reference's
+    length show how far such a mean moves by itself."""
 
-    `--option seconds=S`: simulated by the reference (default 0.1), elutriaFoam takes 8 times as
-    much: its windows of the reference's length show how far such a mean moves by itself.
-    `--option start=S`: the bed's age at the common start (default 0.5).
-    """
-    seconds = float(options.extra.get("seconds", "0.01" if options.quick else "0.1"))
-    start = float(options.extra.get("start", "0.02" if options.quick else "0.5"))
-    runs = options.folder / "runs"
+    seconds: float = option(0.1, quick=0.01, least=1e-3, unit="s, simulated by the reference")
+    start: float = option(0.5, quick=0.02, least=1e-3, unit="s, the bed's age at the start")
+
+
+def run(job: Job, options: Options) -> None:
+    """Run every variant and write bed.csv, bed_series.csv, .png and .json."""
+    seconds, start = options.seconds, options.start
+    runs = job.folder / "runs"
 
     first = _make(runs, START)
     _advance(first, START, start)
-    options.say(f"the bed is {start} s old")
+    job.say(f"the bed is {start} s old")
 
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         results = pool.map(lambda variant: _measure(runs, first, variant, seconds), VARIANTS)
@@ -87,13 +86,13 @@ def run(options: Options) -> None:
         for row, lines in results:
             rows.append(row)
             series.append(lines)
-            options.say(
+            job.say(
                 f"{row['variant']}: {row['pressure_drop_pa']:.0f} Pa, scatter "
                 f"{row['pressure_drop_scatter_pa']:.0f}; {1e3 * row['mean_height_m']:.2f} mm, "
                 f"scatter {1e3 * row['mean_height_scatter_m']:.2f}"
             )
     write_csv(
-        options.folder / "bed_series.csv",
+        job.folder / "bed_series.csv",
         SERIES_COLUMNS,
         (
             dict(zip(SERIES_COLUMNS, (variant.name, *line), strict=True))
@@ -102,7 +101,7 @@ def run(options: Options) -> None:
         ),
     )
     notes = {"seconds": seconds, "apart_from_the_same_start": _apart(series)}
-    write_result(options, NAME, COLUMNS, rows, _figure(series), notes)
+    write_result(job, NAME, COLUMNS, rows, _figure(series), notes)
     shutil.rmtree(runs)
 
 
@@ -123,7 +122,7 @@ def _make(runs: Path, variant: Variant) -> Path:
 def _advance(case: Path, variant: Variant, end: float) -> None:
     interval = min(SAMPLING, end)
     change(case, {f"{CONTROL}:endTime": end, f"{CONTROL}:writeInterval": interval})
-    run_scene(case, solver=variant.solver)
+    solve(case, solver=variant.solver)
 
 
 def _measure(
@@ -174,7 +173,7 @@ def _statistics(name: str, unit: str, values: Array, windows: int) -> dict[str, 
     return {f"{name}_{unit}": float(values.mean()), f"{name}_scatter_{unit}": scatter}
 
 
-def _figure(series: list[Array]) -> plt.Figure:
+def _figure(series: list[Array]) -> Figure:
     figure, (above, below) = plt.subplots(
         2, figsize=(COLUMN_WIDTH, 1.1 * COLUMN_WIDTH), sharex=True
     )

@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from elutria.errors import ElutriaError
-from elutria_validation.harness.common import (
-    Options,
-    against_stock,
-    project_root,
-    run_program,
-    write_result,
-)
-from elutria_validation.harness.scene import BOX, CONTROL, MODELS, change
+from elutria_validation.harness.cases import CONTROL, MODELS, PARAMETERS, change
+from elutria_validation.harness.job import Job, NoOptions
+from elutria_validation.harness.programs import project_root, run_program
+from elutria_validation.harness.provenance import write_result
+from elutria_validation.harness.timing import against_stock
 
 NAME = "column"
 HELP = "5 000 particles in the column: seconds per second of process time, stock and ours"
@@ -45,23 +43,23 @@ STOCK_CONTACTS = {
 }
 
 
-def run(options: Options) -> None:
+def run(job: Job, _options: NoOptions) -> None:
     """Bring the column to its state, time both from there; writes column.csv, .png and .json."""
-    ours, stock = options.folder / "runs/ours", options.folder / "runs/stock"
+    ours, stock = job.folder / "runs/ours", job.folder / "runs/stock"
     particles = _prepare(ours, stock)
     seconds: dict[str, list[float]] = {"stock DPMFoam": [], "elutriaFoam": []}
-    for repeat in range(1 if options.quick else options.repeats):
+    for repeat in range(1 if job.quick else job.repeats):
         seconds["stock DPMFoam"].append(stock_step(stock))
         seconds["elutriaFoam"].append(_our_step(ours))
         for name, values in seconds.items():
-            options.say(f"{repeat + 1}: {name}: {values[-1]:.4g} s a step")
+            job.say(f"{repeat + 1}: {name}: {values[-1]:.4g} s a step")
     steps = {"stock DPMFoam": STOCK_STEP, "elutriaFoam": OUR_STEP}
     rows = [
         {**against_stock(name, steps, seconds, "stock DPMFoam"), "particles": particles}
         for name in steps
     ]
-    write_result(options, NAME, COLUMNS, rows, _figure(rows))
-    shutil.rmtree(options.folder / "runs")
+    write_result(job, NAME, COLUMNS, rows, _figure(rows))
+    shutil.rmtree(job.folder / "runs")
 
 
 def _prepare(ours: Path, stock: Path) -> int:
@@ -74,10 +72,10 @@ def _prepare(ours: Path, stock: Path) -> int:
     change(
         ours,
         {
-            f"{BOX}:gasVelocity": 5,
-            f"{BOX}:loading": 0.4,
-            f"{BOX}:parcels": "particles",
-            f"{BOX}:particles": 10**6,
+            f"{PARAMETERS}:gasVelocity": 5,
+            f"{PARAMETERS}:loading": 0.4,
+            f"{PARAMETERS}:parcels": "particles",
+            f"{PARAMETERS}:particles": 10**6,
             "constant/feed:materials/quartz/sizeDistribution/min": 100e-6,
             "constant/feed:materials/quartz/sizeDistribution/max": 1500e-6,
             f"{CONTROL}:endTime": START,
@@ -145,7 +143,7 @@ def _our_step(case: Path) -> float:
     return sum(map(float, parts)) / steps
 
 
-def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
+def _figure(rows: list[dict[str, Any]]) -> Figure:
     figure, axes = plt.subplots(figsize=(85 / 25.4, 35 / 25.4), layout="constrained")
     names = [row["variant"] for row in rows]
     values = [row["seconds_per_simulated_second"] for row in rows]

@@ -7,8 +7,6 @@ written here, with the same stiffness. Times are of the processor. LAMMPS' fast 
 damping constant instead of the restitution; it is set to the one that gives 0.9 at 1 m/s, and
 slower contacts lose less. Its slower style `granular` has our law: it shows whether the physics
 agrees.
-Options: steps=10000 (of each of the three stages), particles=25000, lammps=FOLDER (with lmp and, if
-it needs them, libraries).
 """
 
 from __future__ import annotations
@@ -29,10 +27,13 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from scipy.special import beta
 
 from elutria.errors import ElutriaError
 from elutria.output.plots import COLUMN_WIDTH, STYLE
-from elutria_validation.harness.common import Options, built, run_program, write_result
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.programs import built, run_program
+from elutria_validation.harness.provenance import write_result
 
 NAME = "engine"
 STAGES = ("falling", "settling", "settled")
@@ -76,47 +77,55 @@ class Stage:
     coordination: float
 
 
-def run(options: Options) -> None:
+@dataclass(frozen=True)
+class Options:
+    """Its own."""
+
+    particles: int = option(25000, least=100)
+    steps: int = option(10000, quick=1000, least=10, unit="of each of the three stages")
+    lammps: str | None = option(None, unit="folder with lmp and, if it needs them, libraries")
+
+
+def run(job: Job, options: Options) -> None:
     """Runs every code there is in turns; writes engine.csv, .png and .json."""
-    particles = int(options.extra.get("particles", 25000))
-    steps = int(options.extra.get("steps", 1000 if options.quick else 10000))
+    particles, steps = options.particles, options.steps
     codes: dict[str, Callable[[], list[Stage]]] = {
         "elutria": lambda: run_elutria(particles, steps),
     }
     if shutil.which("liggghts"):
         codes["liggghts"] = lambda: run_peer("liggghts", ["liggghts"], {}, particles, steps)
-    lmp = find_lammps(options.extra.get("lammps"))
+    lmp = find_lammps(options.lammps)
     if lmp is not None:
         environment = {"LD_LIBRARY_PATH": str(lmp.parent)}
         for code in ("lammps", "lammps granular"):
             codes[code] = partial(run_peer, code, [str(lmp)], environment, particles, steps)
     for code, how in INSTALL.items():
         if code not in codes:
-            options.say(f"{code} is not installed and left out; to install it: {how}")
+            job.say(f"{code} is not installed and left out; to install it: {how}")
 
     stages: list[Stage] = []
-    for repeat in range(options.repeats):
+    for repeat in range(job.repeats):
         for code, work in codes.items():
-            options.say(f"{code}, run {repeat + 1} of {options.repeats}")
+            job.say(f"{code}, run {repeat + 1} of {job.repeats}")
             stages += work()
     rows = table(stages, particles * steps, particles)
     for row in rows:
-        options.say(
+        job.say(
             f"{row['code']:9} {row['stage']:8} {row['us_per_particle_step']:.4f} us per particle "
             f"and step, {row['memory_bytes_per_particle']:.0f} bytes per particle, "
             f"{row['ratio_to_elutria']:.2f} of elutria's time"
         )
     with mpl.rc_context(STYLE):
         write_result(
-            options,
+            job,
             NAME,
             COLUMNS,
             rows,
             figure(rows),
             {
-                "repeats": options.repeats,
-                "two_threads": two_threads(options),
-                "many": many(options),
+                "repeats": job.repeats,
+                "two_threads": two_threads(job),
+                "many": many(job),
             },
         )
 
@@ -142,9 +151,9 @@ def crowded_box(particles: int, steps: int, threads: int) -> dict[str, Any]:
     return run_box(particles, steps, 2, f"height={CROWDED_HEIGHT}", f"threads={threads}")[-1]
 
 
-def many(options: Options) -> dict[str, Any]:
+def many(job: Job) -> dict[str, Any]:
     """Memory and time of a million spheres in the crowded box."""
-    particles, steps = (100_000, 200) if options.quick else (1_000_000, 750)
+    particles, steps = (100_000, 200) if job.quick else (1_000_000, 750)
     run = crowded_box(particles, steps, 1)
     found = {
         "particles": particles,
@@ -153,22 +162,22 @@ def many(options: Options) -> dict[str, Any]:
         "engine_bytes_per_particle": run["engine_bytes_per_particle"],
         "process_bytes_per_particle": run["process_bytes_per_particle"],
     }
-    options.say(
+    job.say(
         f"{particles} particles: {found['engine_bytes_per_particle']:.0f} bytes per particle in "
         f"the engine, {found['process_bytes_per_particle']:.0f} with the caller's own arrays"
     )
     return found
 
 
-def two_threads(options: Options) -> dict[str, Any]:
+def two_threads(job: Job) -> dict[str, Any]:
     """A crowded box of 1e5 spheres on one thread and on two, in turns: speed-up and same bits.
 
     Where other programs keep a core busy the wall times say little; twice the processor time of one
     thread over that of two is what the speed-up would be with the cores to itself and no waiting.
     """
-    particles, steps = (5000, 400) if options.quick else (100_000, 1500)
+    particles, steps = (5000, 400) if job.quick else (100_000, 1500)
     runs: dict[int, list[dict[str, Any]]] = {1: [], 2: []}
-    for _ in range(options.repeats):
+    for _ in range(job.repeats):
         for threads, results in runs.items():
             results.append(crowded_box(particles, steps, threads))
     wall = {n: median(r["wall_s"] for r in results) for n, results in runs.items()}
@@ -181,7 +190,7 @@ def two_threads(options: Options) -> dict[str, Any]:
         "speed_up_by_processor_time": 2 * processor[1] / processor[2],
         "same_bits": same,
     }
-    options.say(
+    job.say(
         f"two threads, {particles} particles: {found['speed_up']:.2f} times as fast (by processor "
         f"time {found['speed_up_by_processor_time']:.2f}), {'the same' if same else 'other'} bits"
     )
@@ -234,15 +243,15 @@ def run_peer(
     code: str, command: list[str], environment: dict[str, str], particles: int, steps: int
 ) -> list[Stage]:
     """All stages through LIGGGHTS or LAMMPS with an input written here."""
-    write = {
+    writers: dict[str, Callable[[int, int], str]] = {
         "liggghts": liggghts_input,
-        "lammps": lambda *size: lammps_input(*size, fast_law()),
-        "lammps granular": lambda *size: lammps_input(*size, same_law()),
-    }[code]
+        "lammps": partial(lammps_input, law=fast_law()),
+        "lammps granular": partial(lammps_input, law=same_law()),
+    }
     lines: list[str] = []
     used: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "in.box").write_text(write(particles, steps))
+        Path(folder, "in.box").write_text(writers[code](particles, steps))
         with subprocess.Popen(
             ["stdbuf", "-oL", *command, "-in", "in.box"],
             cwd=folder,
@@ -323,12 +332,8 @@ def lammps_damping(speed: float = 1.0) -> float:
     radius = RADIUS / 2
     stiffness = 4 / 3 * effective_young()
     deepest = (5 * mass * speed**2 / (4 * stiffness * math.sqrt(radius))) ** 0.4
-    # integral of sqrt(y) sqrt(1 - y^2.5) dy over [0, 1]
-    count = 20000
-    shape = sum(
-        math.sqrt(y) * math.sqrt(1 - y**2.5) for y in ((k + 0.5) / count for k in range(count))
-    )
-    lost_per_gamma = 2 * mass * math.sqrt(radius) * speed * deepest**1.5 * shape / count
+    shape = beta(0.6, 1.5) / 2.5  # integral of sqrt(y) sqrt(1 - y^2.5) dy over [0, 1]
+    lost_per_gamma: float = 2 * mass * math.sqrt(radius) * speed * deepest**1.5 * shape
     return -math.log(RESTITUTION) * mass * speed**2 / lost_per_gamma
 
 

@@ -2,8 +2,7 @@
 
 Two scenes: a two-dimensional random walk, and a three-dimensional column ten times as high as wide;
 the latter also with a size ratio of 20 at equal mass per size decade. Times are of the processor.
-Options: largest=1000000 (particles; bruteForce stops at 10 000), seconds=0.5 per point.
-With largest=10000000 it goes one decade further.
+bruteForce stops at 10 000 particles.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
@@ -19,7 +19,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from elutria.output.plots import COLUMN_WIDTH, STYLE
-from elutria_validation.harness.common import Options, built, run_program, write_result
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.programs import built, run_program
+from elutria_validation.harness.provenance import write_result
 
 NAME = "neighbours"
 HELP = "neighbour search: time per step against the number of particles"
@@ -52,24 +54,31 @@ WIDE = 20
 """Largest over smallest diameter of the polydisperse column."""
 
 
-def run(options: Options) -> None:
+@dataclass(frozen=True)
+class Options:
+    """Its own. With largest=10000000 it goes one decade further."""
+
+    largest: int = option(1_000_000, quick=10_000, least=1000, unit="particles")
+    seconds: float = option(0.5, quick=0.1, least=1e-3, unit="s per point")
+
+
+def run(job: Job, options: Options) -> None:
     """Measures every method; writes neighbours.csv, .png and .json."""
-    largest = int(options.extra.get("largest", 10_000 if options.quick else 1_000_000))
-    seconds = float(options.extra.get("seconds", 0.1 if options.quick else 0.5))
+    largest, seconds = options.largest, options.seconds
     rows: list[dict[str, Any]] = []
     for scene in ("walk", "column"):
         for method, layers in METHODS:
             most = min(largest, BRUTE_FORCE_MOST) if method == "bruteForce" else largest
             for particles in numbers(most):
-                rows.append(measure(scene, method, layers, particles, seconds, options.repeats))
-            options.say(f"{scene} {label(method, layers)}: {summary(rows, scene, method, layers)}")
+                rows.append(measure(scene, method, layers, particles, seconds, job.repeats))
+            job.say(f"{scene} {label(method, layers)}: {summary(rows, scene, method, layers)}")
     wide = [
-        measure("column", "hierarchical", 1, min(largest, 100_000), seconds, options.repeats, ratio)
+        measure("column", "hierarchical", 1, min(largest, 100_000), seconds, job.repeats, ratio)
         for ratio in (1, WIDE)
     ]
     rows.append(wide[1])
     polydispersity = wide[1]["s_per_step"] / wide[0]["s_per_step"]
-    options.say(f"column, size ratio {WIDE}: {polydispersity:.2f} of the time of equal spheres")
+    job.say(f"column, size ratio {WIDE}: {polydispersity:.2f} of the time of equal spheres")
     exponents = {
         f"{scene} {label(method, layers)}": exponent(of(rows, scene, method, layers))
         for scene in ("walk", "column")
@@ -86,7 +95,7 @@ def run(options: Options) -> None:
         "size_ratio_20_over_equal_spheres": polydispersity,
     }
     with mpl.rc_context(STYLE):
-        write_result(options, NAME, COLUMNS, rows, figure(rows), notes)
+        write_result(job, NAME, COLUMNS, rows, figure(rows), notes)
 
 
 def numbers(most: int) -> list[int]:

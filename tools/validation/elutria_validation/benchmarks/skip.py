@@ -20,6 +20,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from elutria import tables
@@ -28,9 +29,11 @@ from elutria.classification.classify import fit_events
 from elutria.classification.events import read_run
 from elutria.files import read_csv
 from elutria.running.run import run_case
-from elutria_validation.benchmarks.stability_scenes import bed, contacts
-from elutria_validation.harness.common import Options, processor_time, project_root, write_result
-from elutria_validation.harness.scene import CLOUD, CONTACTS
+from elutria_validation.harness.cases import CLOUD, CONTACTS
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.programs import processor_time, project_root
+from elutria_validation.harness.provenance import write_result
+from elutria_validation.harness.scenes import contacts, settling_bed
 
 NAME = "skip"
 HELP = "what each skip of the scene plan saves, and what it changes"
@@ -75,38 +78,41 @@ class Trial:
     outlets: Mapping[float, str] = field(default_factory=dict)
 
 
-def run(options: Options) -> None:
-    """Run every scene with every choice, from as many seeds as `--repeats`, two at least; writes
-    skip.csv, .png and .json.
+@dataclass(frozen=True)
+class Options:
+    """Its own. Runs with contact steps have a fifth of the parcels: they are slow."""
 
-    `--option particles=N`: parcels fed to a column, as many in each size class (default 5000,
-    quick 60). Runs with contact steps have a fifth of them: they are slow.
-    """
-    number = int(options.extra.get("particles", "60" if options.quick else "5000"))
-    spheres, end = (64, 0.3) if options.quick else (256, 2.0)
-    folder = options.folder / "runs"
+    particles: int = option(5000, quick=60, least=10, unit="fed to a column, as many in each class")
+
+
+def run(job: Job, options: Options) -> None:
+    """Run every scene with every choice, from as many seeds as `--repeats`, two at least; writes
+    skip.csv, .png and .json."""
+    number = options.particles
+    spheres, end = (64, 0.3) if job.quick else (256, 2.0)
+    folder = job.folder / "runs"
     rows: list[dict[str, Any]] = []
     for name, loading in LOADINGS.items():
         for choices, parcels in ((GAS_CHOICES, number), (CONTACT_CHOICES, number // 5)):
             usual = {"loading": f"{loading:g}", "feedTime": "0.5", "particles": str(parcels)}
-            if options.quick:
+            if job.quick:
                 usual["drainTime"] = "0.2"
             column = partial(_column, folder / "column", usual)
-            rows += _scene(options, f"{name}, {parcels} parcels", choices, column)
-    rows += _scene(options, "bed at rest", BED_CHOICES, partial(_bed, folder / "bed", spheres, end))
-    write_result(options, NAME, COLUMNS, rows, _figure(rows), {"particles": number})
+            rows += _scene(job, f"{name}, {parcels} parcels", choices, column)
+    rows += _scene(job, "bed at rest", BED_CHOICES, partial(_bed, folder / "bed", spheres, end))
+    write_result(job, NAME, COLUMNS, rows, _figure(rows), {"particles": number})
     shutil.rmtree(folder, ignore_errors=True)
 
 
 def _scene(
-    options: Options, scene: str, choices: Choices, trial: Callable[[Mapping[str, str], int], Trial]
+    job: Job, scene: str, choices: Choices, trial: Callable[[Mapping[str, str], int], Trial]
 ) -> list[dict[str, Any]]:
     """A row for each choice."""
     trials: dict[str, list[Trial]] = {name: [] for name in choices}
-    for seed in range(1, 1 + max(options.repeats, 2)):
+    for seed in range(1, 1 + max(job.repeats, 2)):
         for name, settings in choices.items():
             trials[name].append(trial(settings, seed))
-            options.say(f"{scene}, seed {seed}, {name}: {trials[name][-1].seconds:.1f} s")
+            job.say(f"{scene}, seed {seed}, {name}: {trials[name][-1].seconds:.1f} s")
     return [_row(scene, name, trials[name], trials[PLAN]) for name in choices]
 
 
@@ -147,8 +153,8 @@ def _bed(folder: Path, number: int, end: float, settings: Mapping[str, str], see
     shutil.rmtree(folder, ignore_errors=True)
     gas = {GAS: True if GAS in settings else "auto"}  # foamlib's word for on
     before = processor_time()
-    _, spheres, _ = bed(
-        folder, {**contacts(), **settings, **gas}, number=number, end=end, seed=seed
+    _, spheres, _ = settling_bed(
+        folder, contacts(), number=number, end=end, seed=seed, more={**settings, **gas}
     )
     seconds = processor_time() - before
     height, unit = float(np.mean(spheres.position[:, 2])), 0.1 * float(np.sum(spheres.mass))
@@ -183,7 +189,7 @@ def _changed_outlets(one: Trial, other: Trial) -> int:
     return sum(one.outlets[key] != other.outlets[key] for key in both)
 
 
-def _figure(rows: list[dict[str, Any]]) -> plt.Figure:
+def _figure(rows: list[dict[str, Any]]) -> Figure:
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     figure, panels = plt.subplots(
         len(scenes), 2, figsize=(174 / 25.4, 40 / 25.4 * len(scenes)), layout="constrained"

@@ -3,7 +3,7 @@
 A point is `right`, `off` (stable, but further from what is known than the map allows; `warned` or
 not), `refused` (before it started, or ended with a reason and its last sound state written) or
 `failed`. Stable means finite, nothing lost, the ledger closed, the void fraction within its bounds,
-energy within what was put in. Options: maps=NAME,NAME.
+energy within what was put in.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,9 @@ from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
 from elutria.output.plots import COLUMN_WIDTH, STYLE
 from elutria_validation.benchmarks.stability_points import MAPS, Map
-from elutria_validation.benchmarks.stability_scenes import EndedEarly, Verdict
-from elutria_validation.harness.common import Options, machine, write_result
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.provenance import machine, write_result
+from elutria_validation.harness.scenes import EndedEarly, Verdict
 
 NAME = "stability"
 HELP = "stability maps: extreme steps, stiffness, loading, sizes, gas that jumps"
@@ -33,21 +35,28 @@ COLUMNS = ("map", "x_name", "x", "y_name", "y", "class", "off_by", "warned", "wh
 KINDS = ("right", "off", "refused", "failed")
 
 
-def run(options: Options) -> None:
+@dataclass(frozen=True)
+class Options:
+    """Its own."""
+
+    maps: str = option("all", unit="names, with commas between them")
+
+
+def run(job: Job, options: Options) -> None:
     """Runs all points; writes stability.csv, .png, .json and .md."""
-    names = options.extra.get("maps", ",".join(m.name for m in MAPS)).split(",")
-    unknown = [name for name in names if name not in [m.name for m in MAPS]]
+    known = [m.name for m in MAPS]
+    names = known if options.maps == "all" else options.maps.split(",")
+    unknown = [name for name in names if name not in known]
     if unknown:
-        allowed = ", ".join(m.name for m in MAPS)
-        raise InputError(f"maps={','.join(unknown)}; allowed: {allowed}")
-    chosen = [thinned(m) if options.quick else m for m in MAPS if m.name in names]
+        raise InputError(f"--option maps={','.join(unknown)}; allowed: all, {', '.join(known)}")
+    chosen = [thinned(m) if job.quick else m for m in MAPS if m.name in names]
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
         for one in chosen:
-            rows += measure(one, Path(work) / one.name, options.say)
+            rows += measure(one, Path(work) / one.name, job.say)
     with mpl.rc_context(STYLE):
-        write_result(options, NAME, COLUMNS, rows, figure(chosen, rows), {"counts": counts(rows)})
-    write_text(options.folder / f"{NAME}.md", text(chosen, rows))
+        write_result(job, NAME, COLUMNS, rows, figure(chosen, rows), {"counts": counts(rows)})
+    write_text(job.folder / f"{NAME}.md", text(chosen, rows))
 
 
 def thinned(whole: Map) -> Map:

@@ -9,36 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
-from elutria_validation.benchmarks.stability_scenes import (
-    CLOSED,
-    GAS_DENSITY,
-    GRAVITY,
+from elutria_validation.harness.box import CLOSED, PERIODIC, WEIGHTLESS, BoxCase, cube
+from elutria_validation.harness.cases import read_gas, times
+from elutria_validation.harness.particles import Particles, lattice, read_particles
+from elutria_validation.harness.scenes import (
+    CoarseColumn,
     Verdict,
-    bed,
+    attempt,
     colliding,
-    column,
     contacts,
-    cube,
-    judged,
-    kinetic_energy,
-    lattice,
-    nothing_wrong,
-    solve,
-    timing,
+    settling_bed,
 )
-from elutria_validation.harness.scene import (
-    BOX,
-    CLOUD,
-    PERIODIC,
-    WEIGHTLESS,
-    Particles,
-    make_scene,
-    read_gas,
-    read_particles,
-    times,
-)
+from elutria_validation.references.drag import AIR, STANDARD_GRAVITY, fall
 
 Point = Callable[[Path, Any, Any], Verdict]
 
@@ -56,29 +39,44 @@ class Map:
     point: Point
 
 
+def judged(off: float, allowed: float, output: str, what: str) -> Verdict:
+    """Right or off, by a relative error and what is allowed of it."""
+    warned = "Warning:" in output
+    if not math.isfinite(off):
+        return Verdict("failed", off, warned, f"{what} is not finite")
+    return Verdict("right" if off <= allowed else "off", off, warned, what)
+
+
 def drag_step(folder: Path, relaxations: float, ratio: float) -> Verdict:
     """One particle falls in gas at rest: its speed against the equation of motion.
 
     Relaxation time over step, and density over the gas'.
     """
-    diameter, viscosity = 1e-4, 1.8e-5
-    density = ratio * GAS_DENSITY
-    relaxation = density * diameter**2 / (18 * viscosity)
+    diameter, density = 1e-4, ratio * AIR.density
+    relaxation = density * diameter**2 / (18 * AIR.viscosity)
     step = relaxation / relaxations
     end = min(max(20 * step, 3 * relaxation), 200 * step)
     start = Particles.of([0.05, 0.05, 0.05], diameter=diameter, density=density)
-    case = make_scene(folder, start, {**PERIODIC, f"{BOX}:gravity": -GRAVITY, **timing(step, end)})
-    output = solve(case)
-    nothing_wrong(case, output)
+    case = BoxCase(**PERIODIC, step=step, end=end).make(folder, start)
+    output = attempt(case)
     speed = -float(read_particles(case, times(case)[-1]).velocity[0, 2])
-
-    def motion(_: float, v: Any) -> Any:
-        reynolds = GAS_DENSITY * abs(v[0]) * diameter / viscosity
-        return [GRAVITY * (1 - 1 / ratio) - v[0] / relaxation * (1 + 0.15 * reynolds**0.687)]
-
-    exact = float(solve_ivp(motion, (0, end), [0.0], method="LSODA", rtol=1e-8).y[0, -1])
+    exact = -float(fall(diameter, density, 0.0, [end], "LSODA")[0])
     off = abs(speed - exact) / max(abs(exact), 1e-9)
     return judged(off, 0.02, output, f"speed {speed:.4g} m/s, exact {exact:.4g}")
+
+
+def _streaming(folder: Path, start: Particles, box: BoxCase) -> tuple[float, Particles, Any, str]:
+    """Particles that stream through gas at rest in a periodic box: momentum (kg m/s) that both
+    together have lost or won, particles and gas velocity at the end, what the solver said."""
+    case = box.make(folder, start)
+    output = attempt(case)
+    last = times(case)[-1]
+    after = read_particles(case, last)
+    gas = read_gas(case, last) * read_gas(case, last, "alpha.air")
+    whole = np.broadcast_to(gas, (box.cells[0] ** 3, 3)).mean(axis=0)
+    of_gas = box.gas_density * box.width**3 * whole
+    drift = float(np.linalg.norm(after.momentum + of_gas - start.momentum))
+    return drift, after, gas, output
 
 
 def coupling(folder: Path, relaxations: float, loading: float) -> Verdict:
@@ -86,27 +84,17 @@ def coupling(folder: Path, relaxations: float, loading: float) -> Verdict:
 
     Relaxation time over step, and kg of solids per kg of gas.
     """
-    side, diameter, number, step, end = 0.01, 2e-4, 200, 1e-3, 0.02
-    density = loading * GAS_DENSITY * side**3 / (number * np.pi / 6 * diameter**3)
+    side, diameter, number, step = 0.01, 2e-4, 200, 1e-3
+    density = loading * AIR.density * side**3 / (number * np.pi / 6 * diameter**3)
     viscosity = density * diameter**2 / (18 * relaxations * step)
     places = np.random.default_rng(1).uniform(0.02, 0.98, (number, 3)) * side
     start = Particles.of(places, [0.0, 0.0, 1.0], diameter=diameter, density=density)
-    case = make_scene(
-        folder,
-        start,
-        {**WEIGHTLESS, **cube(side, 4), f"{BOX}:gasNu": viscosity / GAS_DENSITY,
-         f"{CLOUD}:solution/coupled": True, "system/scenePlan:gas": True, **timing(step, end)},
-    )  # fmt: skip
-    output = solve(case)
-    nothing_wrong(case, output)
-    last = times(case)[-1]
-    after = read_particles(case, last)
-    gas = read_gas(case, last) * read_gas(case, last, "alpha.air")
-    of_gas = GAS_DENSITY * side**3 * np.broadcast_to(gas, (64, 3)).mean(axis=0)
-    drift = np.linalg.norm(after.momentum + of_gas - start.momentum)
-    energy = kinetic_energy(after) / kinetic_energy(start)
-    drift /= np.linalg.norm(start.momentum)
-    off = max(float(drift), energy - 1)
+    box = BoxCase(**WEIGHTLESS, **cube(side, 4), gas_viscosity=viscosity / AIR.density,
+                  coupled=True, solve_gas=True, step=step, end=0.02)  # fmt: skip
+    drift, after, _, output = _streaming(folder, start, box)
+    drift /= float(np.linalg.norm(start.momentum))
+    energy = after.kinetic_energy / start.kinetic_energy
+    off = max(drift, energy - 1)
     return judged(off, 0.01, output, f"momentum drifts by {drift:.2g}, energy {energy:.3g}")
 
 
@@ -115,25 +103,25 @@ def _energy(start: Particles, after: Particles, output: str, allowed: float) -> 
 
     Soft contacts hold some of the energy while they last: up to a tenth is not counted.
     """
-    change = kinetic_energy(after) / kinetic_energy(start) - 1
+    change = after.kinetic_energy / start.kinetic_energy - 1
     off = change if change > 0 else max(0.0, -change - 0.1)
     return judged(off, allowed, output, f"kinetic energy changed by {change:.2g}")
 
 
 def contact_step(folder: Path, share: float, young: float) -> Verdict:
     """Elastic spheres in a box: energy kept. Sub-step over contact time, and stiffness (Pa)."""
-    settings = contacts(restitution=1, friction=0, young=young, treatment="soft",
-                        stepFraction=share)  # fmt: skip
+    law = contacts(restitution=1, friction=0, young=young, treatment="soft",
+                        step_fraction=share)  # fmt: skip
     end = 0.02 if share > 0.02 and young < 1e9 else 0.004
-    start, after, output = colliding(folder, settings, end=end, step=2e-4)
+    start, after, output = colliding(folder, law, end=end, step=2e-4)
     return _energy(start, after, output, 0.1)
 
 
 def dissipation(folder: Path, restitution: float, friction: float) -> Verdict:
     """Spheres collide: energy falls, momentum stays. Restitution, and friction."""
-    settings = contacts(restitution=restitution, friction=friction)
-    start, after, output = colliding(folder, settings)
-    gained = kinetic_energy(after) / kinetic_energy(start) - 1
+    law = contacts(restitution=restitution, friction=friction)
+    start, after, output = colliding(folder, law)
+    gained = after.kinetic_energy / start.kinetic_energy - 1
     drift = np.linalg.norm(after.momentum - start.momentum) / (start.mass.sum() * 0.3)
     off = max(gained, float(drift), 0.0)
     return judged(off, 1e-3, output, f"energy {1 + gained:.6g}, momentum drifts by {drift:.2g}")
@@ -141,21 +129,22 @@ def dissipation(folder: Path, restitution: float, friction: float) -> Verdict:
 
 def sizes(folder: Path, ratio: float, young: float) -> Verdict:
     """Spheres of unequal sizes collide elastically: energy. Size ratio, and stiffness (Pa)."""
-    settings = contacts(restitution=1, friction=0, young=young)
-    start, after, output = colliding(folder, settings, ratio=ratio, end=0.01)
+    law = contacts(restitution=1, friction=0, young=young)
+    start, after, output = colliding(folder, law, ratio=ratio, end=0.01)
     return _energy(start, after, output, 0.02)
 
 
 def rest(folder: Path, step: float, friction: float) -> Verdict:
     """A bed settles: it comes to rest where it fits. Gas step (s), and friction."""
-    start, after, output = bed(folder, contacts(friction=friction), number=32, step=step, end=0.2)
+    law = contacts(friction=friction)
+    start, after, output = settling_bed(folder, law, number=32, step=step, end=0.2)
     return _settled(start, after, output)
 
 
 def _settled(start: Particles, after: Particles, output: str) -> Verdict:
     """Off by the energy left, over what the fall gave; above it the bed made energy."""
-    given = GRAVITY * float(start.mass @ start.position[:, 2])
-    left = kinetic_energy(after) / given
+    given = STANDARD_GRAVITY * float(start.mass @ start.position[:, 2])
+    left = after.kinetic_energy / given
     low = float(np.max(0.5 * after.diameter - after.position[:, 2]) / 1e-3)
     off = max(left, low - 0.05)
     return judged(off, 0.05, output, f"energy left {left:.2g} of the fall's, sunk {low:.2g} d")
@@ -163,8 +152,8 @@ def _settled(start: Particles, after: Particles, output: str) -> Verdict:
 
 def stiffness(folder: Path, young: float, restitution: float) -> Verdict:
     """A bed settles. Stiffness (Pa), and restitution."""
-    settings = contacts(young=young, restitution=restitution)
-    start, after, output = bed(folder, settings, number=24, end=0.2, step=1e-3)
+    law = contacts(young=young, restitution=restitution)
+    start, after, output = settling_bed(folder, law, number=24, end=0.2, step=1e-3)
     return _settled(start, after, output)
 
 
@@ -173,28 +162,16 @@ def cells(folder: Path, ratio: float, number: float) -> Verdict:
 
     Cell over particle size, and number of particles.
     """
-    side, count = 0.012, max(1, round(0.012 / (ratio * 1e-3)))
-    count = min(count, 40)
+    count = min(max(1, round(0.012 / (ratio * 1e-3))), 40)
     side = count * ratio * 1e-3
     if side < 0.004:  # room for them
         count *= math.ceil(0.004 / side)
         side = count * ratio * 1e-3
     number = int(min(number, (side / 1.05e-3 // 1) ** 3))
     start = Particles.of(lattice(number, side), [0.0, 0.0, 1.0], diameter=1e-3)
-    case = make_scene(
-        folder,
-        start,
-        {**WEIGHTLESS, **cube(side, count), f"{CLOUD}:solution/coupled": True,
-         "system/scenePlan:gas": True, **timing(1e-3, 0.02)},
-    )  # fmt: skip
-    output = solve(case)
-    nothing_wrong(case, output)
-    last = times(case)[-1]
-    after = read_particles(case, last)
-    gas = read_gas(case, last) * read_gas(case, last, "alpha.air")
-    of_gas = GAS_DENSITY * side**3 * np.broadcast_to(gas, (count**3, 3)).mean(axis=0)
-    exchanged = np.linalg.norm(after.momentum - start.momentum)
-    drift = float(np.linalg.norm(after.momentum - start.momentum + of_gas) / exchanged)
+    box = BoxCase(**WEIGHTLESS, **cube(side, count), coupled=True, solve_gas=True, end=0.02)
+    drift, after, gas, output = _streaming(folder, start, box)
+    drift /= float(np.linalg.norm(after.momentum - start.momentum))
     fast = float(np.abs(gas).max())
     return judged(max(drift, fast - 1), 0.01, output,
                   f"exchange closes to {drift:.2g}, fastest gas {fast:.2g} m/s")  # fmt: skip
@@ -209,9 +186,9 @@ def courant(folder: Path, number: float, loading: float) -> Verdict:
     fine = [folder.parent / f"fine{loading:g}-{seed}" for seed in (1, 2)]
     if not fine[0].exists():
         for seed, place in enumerate(fine, 1):
-            column(place, velocity, loading, 0.25 * size / velocity, seed=seed, gas=True)
-    case, output = column(folder, velocity, loading, number * size / velocity, gas=True)
-    gas, exact, other = (read_gas(c, times(c)[-1]) for c in (case, *fine))
+            CoarseColumn(velocity, loading, 0.25 * size / velocity, seed=seed, gas=True).run(place)
+    output = CoarseColumn(velocity, loading, number * size / velocity, gas=True).run(folder)
+    gas, exact, other = (read_gas(c, times(c)[-1]) for c in (folder, *fine))
 
     def differs(one: Any) -> float:
         return float(np.sqrt(np.mean((one - exact) ** 2) / np.mean(exact**2)))
@@ -221,11 +198,16 @@ def courant(folder: Path, number: float, loading: float) -> Verdict:
     return judged(max(0.0, off - chance), 0.1, output, what)
 
 
+def _flow(case: Path) -> float:
+    """Superficial gas velocity (m/s) at the end, mean of the cells."""
+    last = times(case)[-1]
+    return float(np.mean(read_gas(case, last)[:, 2] * read_gas(case, last, "alpha.air")[:, 0]))
+
+
 def default_steps(folder: Path, velocity: float, loading: float) -> Verdict:
     """The column as it comes, its own steps. Gas velocity (m/s), and loading up to choking."""
-    case, output = column(folder, velocity, loading)
-    gas = read_gas(case, times(case)[-1]) * read_gas(case, times(case)[-1], "alpha.air")
-    through = float(np.mean(gas[:, 2])) / velocity
+    output = CoarseColumn(velocity, loading).run(folder)
+    through = _flow(folder) / velocity
     return judged(abs(through - 1), 0.1, output, f"gas through the column {through:.3g} of the fed")
 
 
@@ -234,9 +216,8 @@ def jump(folder: Path, factor: float, seconds: float) -> Verdict:
     velocity = 4.0
     last = f"(0 0 {factor * velocity})"
     table = f"(0 (0 0 {velocity})) (0.1 (0 0 {velocity})) ({0.1 + seconds} {last}) (9 {last})"
-    case, output = column(folder, velocity, 0.2, inlet=table, end=0.4)
-    gas = read_gas(case, times(case)[-1]) * read_gas(case, times(case)[-1], "alpha.air")
-    through = float(np.mean(gas[:, 2])) / velocity
+    output = CoarseColumn(velocity, 0.2, inlet=table, end=0.4).run(folder)
+    through = _flow(folder) / velocity
     off = abs(through - factor) / max(abs(factor), 1)
     return judged(off, 0.1, output, f"gas through the column {through:.3g} of the first")
 
@@ -245,16 +226,17 @@ def against_outlet(folder: Path, opening: str, friction: float) -> Verdict:
     """A bed packed on an outlet, a grating or a gas inlet: none leaves faster than it can fall."""
     ends = {
         "outlet": {},
-        "outlet, gas up": {f"{BOX}:gasVelocity": 3},
-        "outlet, gas down": {f"{BOX}:gasVelocity": -3},
+        "outlet, gas up": {"gas_velocity": 3},
+        "outlet, gas down": {"gas_velocity": -3},
         "closed": CLOSED,
     }[opening]
-    settings = {**contacts(friction=friction)}
     end = 0.01  # s; later most have fallen out
-    start, after, output = bed(folder, settings, step=1e-3, end=end, ends=ends, packed=True)
-    given = GRAVITY * float(start.mass.sum()) * 0.03
+    start, after, output = settling_bed(
+        folder, contacts(friction=friction), step=1e-3, end=end, ends=ends, packed=True
+    )
+    given = STANDARD_GRAVITY * float(start.mass.sum()) * 0.03
     wind = 3.0 if "gas" in opening else 0.0
-    most = math.sqrt(2 * GRAVITY * 0.03) + wind
+    most = math.sqrt(2 * STANDARD_GRAVITY * 0.03) + wind
     fastest = float(np.max(np.linalg.norm(after.velocity, axis=1), initial=0.0))
     return judged(max(0.0, fastest / most - 1), 0.05, output,
                   f"fastest {fastest:.3g} m/s, can be {most:.3g}; given {given:.2g} J")  # fmt: skip

@@ -6,21 +6,20 @@ from __future__ import annotations
 
 import shutil
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 
-from elutria.errors import InputError
-from elutria_validation.chapters.goldschmidt import GAS_DENSITY, STEP, TUTORIAL, make_bed
-from elutria_validation.harness.common import (
-    Options,
-    against_stock,
-    run_program,
-    slug,
-    write_result,
-)
-from elutria_validation.harness.scene import CONTROL, change, read_particles, read_patch_mean, times
+from elutria_validation.harness.cases import CONTROL, change, read_patch_mean, times
+from elutria_validation.harness.goldschmidt import GAS_DENSITY, STEP, make_bed
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.particles import read_particles
+from elutria_validation.harness.programs import run_program, slug
+from elutria_validation.harness.provenance import write_result
+from elutria_validation.harness.timing import against_stock
 
 NAME = "stock"
 HELP = "the Goldschmidt bed: stock DPMFoam, our contacts in it, and elutriaFoam"
@@ -40,33 +39,34 @@ VARIANTS: dict[str, tuple[str, float, str]] = {
 STOCK = "stock DPMFoam"
 
 
-def run(options: Options) -> None:
-    """Time every variant and write stock.csv, .png and .json.
+@dataclass(frozen=True)
+class Options:
+    """Its own."""
 
-    `--option steps=N`: length of the longer run in the tutorial's time steps (default 60).
-    Raises InputError without the tutorial (Debian's openfoam-examples).
-    """
-    if not TUTORIAL.is_dir():
-        raise InputError(f"{TUTORIAL}: not found; apt-get install openfoam-examples")
-    steps = int(options.extra.get("steps", "30" if options.quick else "60"))
+    steps: int = option(60, quick=30, least=20, unit="of the tutorial, of the longer run")
+
+
+def run(job: Job, options: Options) -> None:
+    """Time every variant and write stock.csv, .png and .json."""
+    steps = options.steps
     lengths = (max(steps // 3 // 10 * 10, 10), steps)
-    cases = {name: _make(options.folder / "runs", name) for name in VARIANTS}
+    cases = {name: _make(job.folder / "runs", name) for name in VARIANTS}
 
     seconds: dict[str, list[float]] = {name: [] for name in VARIANTS}
-    for repeat in range(options.repeats):
+    for repeat in range(job.repeats):
         for name, case in cases.items():
             solver, factor, _ = VARIANTS[name]
             short, long = (_time(case, solver, n * STEP) for n in lengths)
             seconds[name].append((long - short) / ((lengths[1] - lengths[0]) / factor))
-            options.say(f"{repeat + 1}/{options.repeats} {name}: {seconds[name][-1]:.4f} s a step")
+            job.say(f"{repeat + 1}/{job.repeats} {name}: {seconds[name][-1]:.4f} s a step")
 
     steps_taken = {name: factor * STEP for name, (_, factor, _) in VARIANTS.items()}
     rows = [
         {**against_stock(name, steps_taken, seconds, STOCK), **_bed(cases[name])}
         for name in VARIANTS
     ]
-    write_result(options, NAME, COLUMNS, rows, _figure(rows), {"steps": steps})
-    shutil.rmtree(options.folder / "runs")
+    write_result(job, NAME, COLUMNS, rows, _figure(rows), {"steps": steps})
+    shutil.rmtree(job.folder / "runs")
 
 
 def _make(folder: Path, name: str) -> Path:
@@ -101,7 +101,7 @@ def _bed(case: Path) -> dict[str, float]:
     }
 
 
-def _figure(rows: list[dict[str, object]]) -> plt.Figure:
+def _figure(rows: list[dict[str, object]]) -> Figure:
     figure, axes = plt.subplots(figsize=(85 / 25.4, 60 / 25.4), layout="constrained")
     names = [str(row["variant"]) for row in rows]
     speed = [float(str(row["speed_over_stock"])) for row in rows]

@@ -15,6 +15,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
@@ -29,8 +30,8 @@ from elutria_validation.benchmarks.accuracy_runs import (
     drag,
     replicates,
 )
-from elutria_validation.harness.common import slug
-from elutria_validation.harness.scene import BOX, CONTACTS, MODELS
+from elutria_validation.harness.cases import CONTACTS, MODELS, PARAMETERS
+from elutria_validation.harness.programs import slug
 
 SCENE = SLOW
 COLUMNS = (
@@ -110,8 +111,8 @@ VARIED: Mapping[str, Mapping[str, Changes]] = {
         "parabola": inlet(_parabola, SCENE.velocity),
     },
     "loading": {
-        "0.02": {f"{BOX}:loading": 0.02},
-        "1": {f"{BOX}:loading": 1},
+        "0.02": {f"{PARAMETERS}:loading": 0.02},
+        "1": {f"{PARAMETERS}:loading": 1},
     },
 }
 NUMERICS = ("mesh x 0.6", "mesh x 1.5", "step / 4", "step x 2", "soft contacts", "gas by points")
@@ -226,7 +227,7 @@ def figure(rows: Sequence[Row]) -> Figure:
     panels[0].xaxis.set_minor_locator(NullLocator())
     panels[0].set_xlabel(f"change of d50, % (logarithmic beyond {LINEAR} %)")
     panels[1].set_xlabel("change of sharpness d25/d75")
-    handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in COLOURS.values()]
+    handles = [Rectangle((0, 0), 1, 1, color=colour) for colour in COLOURS.values()]
     result.legend(handles, COLOURS, loc="outside upper center", ncols=len(handles))
     return result
 

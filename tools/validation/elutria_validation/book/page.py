@@ -1,27 +1,28 @@
-"""The verification book's page: index.md and index.html from the chapters' files."""
+"""The verification book's page: index.md and index.html from the chapters' files and the notes."""
 
 from __future__ import annotations
 
-import html
 import re
-from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import jinja2
+
 from elutria.files import read_json, write_text
+from elutria_validation.harness.programs import project_root
 
 ROW_COLUMNS = ("case", "checked", "reference", "ours", "error", "allowed", "peers", "verdict")
-SUMMARY_COLUMNS = ("case", "rows that pass", "largest error over allowed", "peers", "verdict")
 ORDER = ("contacts", "impacts", "settling", "drag", "clouds", "bed", "fluidised",
          "goldschmidt", "profiles", "dispersion", "wake", "budgets", "classification")  # fmt: skip
 
-STYLE = """body{font:15px/1.45 sans-serif;max-width:70em;margin:2em auto;padding:0 1em}
-table{border-collapse:collapse;font-size:13px;margin:.8em 0}
-td,th{border:1px solid #ccc;padding:2px 8px;vertical-align:top}th{text-align:left;background:#eee}
-.FAIL{background:#fbb}.info{color:#555}figure{margin:1em 0}img{max-width:32em;width:100%}
-h2{border-bottom:1px solid #999;margin-top:2.2em}"""
 
-Section = dict[str, Any]
+@dataclass(frozen=True)
+class Note:
+    """What somebody wrote of a section: text, and when it was true."""
+
+    written: str
+    text: str
 
 
 def bind(folder: Path) -> None:
@@ -30,122 +31,71 @@ def bind(folder: Path) -> None:
     chapters.sort(key=lambda chapter: (
         ORDER.index(chapter["name"]) if chapter["name"] in ORDER else len(ORDER), chapter["name"]
     ))  # fmt: skip
-    write_text(folder / "index.md", "\n".join(_markdown(chapters)) + "\n")
-    write_text(folder / "index.html", "\n".join(_html(chapters)) + "\n")
-
-
-def _opening(chapters: list[dict[str, Any]]) -> str:
+    for chapter in chapters:
+        notes = read_notes(project_root() / "docs/verification/notes" / f"{chapter['name']}.md")
+        for section in chapter["sections"]:
+            section["note"] = notes.get(section["title"])
+            section["summary"] = _summary(section["rows"])
     judged = [
-        row for _, section in _sections(chapters) for row in section["rows"]
+        row for chapter in chapters for section in chapter["sections"] for row in section["rows"]
         if row["allowed"] is not None
     ]  # fmt: skip
     passed = sum(row["verdict"] == "pass" for row in judged)
-    return (
-        f"{passed} of {len(judged)} rows pass. Every reference runs through elutriaFoam, the "
-        "solver that users run; `elutria verify all --to docs/verification` makes this page again. "
-        "Errors are relative unless the row says otherwise. No tolerance was widened: a row that "
-        "fails stays, with what was found. Rows marked info are not judged. Peers: what the "
-        "authors of the reference, or other codes on it, report."
+    for name in ("index.md", "index.html"):
+        template = templates("book").get_template(f"{name}.j2")
+        write_text(
+            folder / name,
+            template.render(chapters=chapters, columns=ROW_COLUMNS, passed=passed, of=len(judged)),
+        )
+
+
+def read_notes(path: Path) -> dict[str, Note]:
+    """Notes by the section's title; the file's second line says when they were written."""
+    if not path.is_file():
+        return {}
+    head, *parts = re.split(r"^## ", path.read_text(), flags=re.M)
+    written = head.strip().splitlines()[-1]
+    found = {}
+    for part in parts:
+        title, _, text = part.partition("\n")
+        found[title.strip()] = Note(written, " ".join(text.split()))
+    return found
+
+
+def templates(room: str) -> jinja2.Environment:
+    """The templates of a room; those of .html escape what they are given."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("elutria_validation", f"{room}/templates"),
+        autoescape=lambda name: name is not None and name.endswith(".html.j2"),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        undefined=jinja2.StrictUndefined,
     )
+    environment.filters |= {"anchor": _anchor, "cell": _cell}
+    return environment
 
 
-def _sections(chapters: list[dict[str, Any]]) -> Iterator[tuple[dict[str, Any], Section]]:
-    for chapter in chapters:
-        for section in chapter["sections"]:
-            yield chapter, section
-
-
-def _summary(section: Section) -> tuple[str, ...]:
+def _summary(rows: list[dict[str, Any]]) -> tuple[str, str, str, str]:
     """Cells of the summary table, without the case."""
-    judged = [row for row in section["rows"] if row["allowed"] is not None]
+    judged = [row for row in rows if row["allowed"] is not None]
     passed = sum(row["verdict"] == "pass" for row in judged)
     shares = [row["error"] / row["allowed"] for row in judged if row["allowed"]]
     worst = f"{max(shares):.2g}" if shares else ""
-    peers = "; ".join(dict.fromkeys(row["peers"] for row in section["rows"] if row["peers"]))
+    peers = "; ".join(dict.fromkeys(row["peers"] for row in rows if row["peers"]))
     verdict = "info" if not judged else "pass" if passed == len(judged) else "FAIL"
     return f"{passed} of {len(judged)}", worst, peers, verdict
 
 
-def _number(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
-
-
-def _cells(row: dict[str, Any]) -> list[str]:
-    def text(name: str) -> str:
-        value = row[name]
-        if value is None:
-            return ""
-        return f"{value:.2g}" if name in ("error", "allowed") else _number(value)
-
-    return [text(name) for name in ROW_COLUMNS]
+def _cell(row: dict[str, Any], name: str) -> str:
+    value = row[name]
+    if value is None:
+        return ""
+    if not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:.2g}" if name in ("error", "allowed") else f"{value:.6g}"
 
 
 def _anchor(title: str) -> str:
     """As GitHub makes it from a heading."""
     return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
-
-
-def _made(chapter: dict[str, Any]) -> str:
-    made = chapter["machine"]
-    packages = ", ".join(f"{name} {version}" for name, version in made["packages"].items())
-    return (
-        f"{chapter['title']}: made {made['made']} on {made['processor']}, {made['cores']} cores, "
-        f"{made['system']}; OpenFOAM {made['openfoam']}, {made['compiler']}, Python "
-        f"{made['python']}, {packages}; commit {made['commit'][:12]}."
-    )
-
-
-def _markdown(chapters: list[dict[str, Any]]) -> list[str]:
-    def table(columns: tuple[str, ...]) -> list[str]:
-        return [f"| {' | '.join(columns)} |", "|" + " --- |" * len(columns)]
-
-    lines = ["# Verification", "", _opening(chapters), "", *table(SUMMARY_COLUMNS)]
-    for _, section in _sections(chapters):
-        title = section["title"]
-        cells = (f"[{title}](#{_anchor(title)})", *_summary(section))
-        lines.append(f"| {' | '.join(cells)} |")
-    for chapter, section in _sections(chapters):
-        lines += ["", f"## {section['title']}", "", section["text"], ""]
-        for file, caption in section["figures"].items():
-            lines += [f"![{caption}]({chapter['name']}/{file})", "", caption, ""]
-        lines += table(ROW_COLUMNS)
-        lines += [f"| {' | '.join(_cells(row))} |" for row in section["rows"]]
-        if section["found"]:
-            lines += ["", f"**Found.** {section['found']}"]
-    lines += ["", "## Versions and machine", ""]
-    return lines + [f"- {_made(chapter)}" for chapter in chapters]
-
-
-def _html(chapters: list[dict[str, Any]]) -> list[str]:
-    say = html.escape
-
-    def row(cells: tuple[str, ...] | list[str], kind: str = "td", style: str = "") -> str:
-        return f'<tr class="{style}">' + "".join(f"<{kind}>{c}</{kind}>" for c in cells) + "</tr>"
-
-    lines = [
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
-        f"<title>Verification of Elutria</title><style>{STYLE}</style></head><body>",
-        f"<h1>Verification</h1><p>{say(_opening(chapters))}</p>",
-        "<table>" + row(SUMMARY_COLUMNS, "th"),
-    ]
-    for _, section in _sections(chapters):
-        title, summary = section["title"], _summary(section)
-        link = f'<a href="#{_anchor(title)}">{say(title)}</a>'
-        lines.append(row([link, *map(say, summary)], style=summary[-1]))
-    lines.append("</table>")
-    for chapter, section in _sections(chapters):
-        title = section["title"]
-        lines.append(f'<h2 id="{_anchor(title)}">{say(title)}</h2><p>{say(section["text"])}</p>')
-        for file, caption in section["figures"].items():
-            lines.append(
-                f'<figure><img src="{chapter["name"]}/{file}" alt="{say(caption)}">'
-                f"<figcaption>{say(caption)}</figcaption></figure>"
-            )
-        lines.append("<table>" + row(ROW_COLUMNS, "th"))
-        lines += [row([say(c) for c in _cells(r)], style=r["verdict"]) for r in section["rows"]]
-        lines.append("</table>")
-        if section["found"]:
-            lines.append(f"<p><b>Found.</b> {say(section['found'])}</p>")
-    lines.append("<h2>Versions and machine</h2><ul>")
-    lines += [f"<li>{say(_made(chapter))}</li>" for chapter in chapters]
-    return [*lines, "</ul></body></html>"]

@@ -1,1 +1,1 @@
-"""References: each module here has NAME, HELP and run(options), as benchmarks have."""
+"""Chapters of the verification book: each module has NAME, TITLE, HELP and SECTIONS."""

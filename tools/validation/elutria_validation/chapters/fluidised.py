@@ -5,34 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
-from matplotlib import rc_context
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
-from elutria_validation.book.book import Chapter, Row, write_chapter
-from elutria_validation.chapters.bed import GAS, GIDASPOW, GRAVITY, ergun, minimum_velocity
-from elutria_validation.chapters.wake import loose_solvers
-from elutria_validation.harness.common import Options
-from elutria_validation.harness.scene import (
-    BOX,
-    CLOUD,
-    CONTACTS,
-    CONTROL,
-    MODELS,
-    Particles,
-    make_scene,
-    patch_mean,
-    read_particles,
-    read_patch_mean,
-    run_scene,
-    times,
-)
+from elutria_validation.book.figures import COLOURS, GREEN, new_figure
+from elutria_validation.book.rows import Row, Section
+from elutria_validation.chapters.bed import GIDASPOW
+from elutria_validation.harness.box import BoxCase, Contacts, Pair
+from elutria_validation.harness.cases import patch_mean, read_patch_mean, solve, times
+from elutria_validation.harness.particles import Particles, read_particles
+from elutria_validation.references.drag import AIR, STANDARD_GRAVITY
+from elutria_validation.references.flows import ergun, minimum_fluidisation
 
 NAME = "fluidised"
+TITLE = "Fluidised beds"
 HELP = "Fluidised beds: pressure drop against the bed's weight."
 
 Array = NDArray[np.float64]
@@ -61,22 +49,22 @@ class Bed:
     @property
     def minimum(self) -> float:
         """Minimum velocity (m/s) at a void fraction of 0.4."""
-        return minimum_velocity(self.diameter, self.density, 0.4)
+        return minimum_fluidisation(self.diameter, self.density, 0.4)
+
+    @property
+    def pitch(self) -> float:
+        """Between spheres at the start, m."""
+        return SPACING * self.diameter
 
     @property
     def section(self) -> float:
         """Area of the column, m2."""
-        return (self.across * SPACING * self.diameter) ** 2
+        return (self.across * self.pitch) ** 2
 
     @property
     def height(self) -> float:
         """Of the column, m."""
-        return (self.along + FREE) * SPACING * self.diameter
-
-    @property
-    def layers(self) -> int:
-        """Layers of cells, of two spheres' height each."""
-        return (self.along + FREE) // 2
+        return (self.along + FREE) * self.pitch
 
     @property
     def solids(self) -> float:
@@ -86,7 +74,7 @@ class Bed:
     @property
     def weight(self) -> float:
         """Of the spheres less buoyancy, over the section, Pa."""
-        return self.solids * (self.density - GAS.density) * GRAVITY
+        return self.solids * (self.density - AIR.density) * STANDARD_GRAVITY
 
 
 @dataclass(frozen=True)
@@ -106,46 +94,27 @@ class Means:
 
 def fluidise(folder: Path, bed: Bed, velocity: float, writes: int = 30) -> Means:
     """Gas through the bottom of a bed that stands on it; sides periodic."""
-    pitch = SPACING * bed.diameter
     numbers = np.indices((bed.across, bed.across, bed.along))
     grid = np.moveaxis(numbers, 0, -1).reshape(-1, 3)
     shaken = np.random.default_rng(1).uniform(-0.018, 0.018, grid.shape)
-    pair = {"restitution": 0.8, "friction": 0, "normalStiffness": bed.stiffness}
-    case = make_scene(
-        folder,
-        Particles.of((grid + 0.5 + shaken) * pitch, diameter=bed.diameter, density=bed.density),
-        {
-            f"{BOX}:width": bed.across * pitch,
-            f"{BOX}:depth": bed.across * pitch,
-            f"{BOX}:height": bed.height,
-            f"{BOX}:cellsAcross": bed.across // 2,
-            f"{BOX}:cellsAlong": bed.layers,
-            f"{BOX}:gasVelocity": velocity,
-            f"{BOX}:gravity": -GRAVITY,
-            f"{BOX}:sides": "cyclic",
-            f"{BOX}:ends": "wall",
-            "system/scenePlan:gas": True,
-            f"{CLOUD}:solution/coupled": True,
-            f"{CLOUD}:constantProperties/alphaMax": 0.9,
-            f"{MODELS}/particleForces": {**GIDASPOW, "gravity": {}},
-            f"{MODELS}/collisionModel": "cellList",
-            f"{CONTACTS}/contactLaw": "linearSpringDashpot",
-            f"{CONTACTS}/treatment": "soft",
-            f"{CONTACTS}/particleParticle": pair,
-            f"{CONTACTS}/particleWall": pair,
-            **loose_solvers(1e-9, 1e-4),
-            **patch_mean("bottom", "p"),
-            f"{CONTROL}:deltaT": bed.step,
-            f"{CONTROL}:endTime": bed.duration,
-            f"{CONTROL}:writeInterval": bed.duration / writes,
-        },
-    )
-    run_scene(case)
+    side = bed.across * bed.pitch
+    case = BoxCase(
+        width=side, depth=side, height=bed.height, gas_velocity=velocity, sides="cyclic",
+        # cells of two spheres' size
+        cells=(bed.across // 2, bed.across // 2, (bed.along + FREE) // 2),
+        solve_gas=True, coupled=True, most_solids=0.9, forces={**GIDASPOW, "gravity": {}},
+        contacts=Contacts(Pair(0.8, 0, bed.stiffness), law="linearSpringDashpot",
+                          treatment="soft"),
+        tolerance=(1e-9, 1e-4), step=bed.step, end=bed.duration, interval=bed.duration / writes,
+        more=patch_mean("bottom", "p"),
+    ).make(folder, Particles.of((grid + 0.5 + shaken) * bed.pitch, diameter=bed.diameter,
+                                density=bed.density))  # fmt: skip
+    solve(case)
     return _means(case, bed)
 
 
 def _means(case: Path, bed: Bed) -> Means:
-    head = GAS.density * GRAVITY
+    head = AIR.density * STANDARD_GRAVITY
     series = read_patch_mean(case, "bottom")
     settled = series[series[:, 0] > SETTLED, 1]
 
@@ -156,7 +125,7 @@ def _means(case: Path, bed: Bed) -> Means:
     gained = (beds[-1].momentum - beds[0].momentum)[2] / (float(written[-1]) - float(written[0]))
 
     return Means(
-        GAS.density * float(settled.mean()) - head * bed.height,
+        AIR.density * float(settled.mean()) - head * bed.height,
         float(np.mean(pressed)) / bed.section,
         gained / bed.section,
         1 - bed.solids / (2 * float(np.mean(heights))),
@@ -166,7 +135,7 @@ def _means(case: Path, bed: Bed) -> Means:
 def equilibrium_void(bed: Bed, velocity: float) -> float:
     """Void fraction at which Ergun's gradient carries the spheres."""
     return float(
-        brentq(lambda v: minimum_velocity(bed.diameter, bed.density, v) - velocity, 0.3, 0.8)
+        brentq(lambda v: minimum_fluidisation(bed.diameter, bed.density, v) - velocity, 0.3, 0.8)
     )
 
 
@@ -191,11 +160,8 @@ def _rows(case: str, bed: Bed, velocity: float, means: Means, smooth: bool) -> l
     ]
 
 
-@rc_context(STYLE)
-def run(options: Options) -> Chapter:
-    """Two materials below and above minimum fluidisation, and a bed that bubbles."""
-    chapter = Chapter(NAME, "Fluidised beds")
-    section = chapter.section(
+def plateau(folder: Path, quick: bool) -> Section:
+    section = Section(
         "Fluidisation plateau",
         "A bed of 1024 equal spheres without friction stands on the inlet of a periodic column; "
         "Gidaspow's drag, coupled both ways. Above minimum fluidisation the time-mean pressure "
@@ -205,42 +171,36 @@ def run(options: Options) -> Chapter:
         "the rest: pressure drop and mean force on the bottom (of its springs, at up to 200 "
         "times), less what the bed gains in momentum, must be the weight. Ergun's law below "
         "minimum fluidisation is the packed bed's section.",
-        "A first trial gave half the weight, for two reasons. A fixed inlet velocity is an "
-        "interstitial one: where the bed lies on the inlet the gas that enters is less by the void "
-        "fraction (interstitialInletVelocity says what is meant). And the pressure's gradient on "
-        "an inlet took nothing of the drag there, which made the gas in the lowest layer half as "
-        "fast as it should be and left half of that layer on the bottom; that was mended. What a "
-        "bubbling bed's pressure drop lacks, the bottom carries. In a dense bed of fine grains the "
-        "gas step must stay well below the time in which gas stops a grain there (0.6 ms for "
-        "80 um): in a column two cells wide a step of a third of it made the pressure swing.",
     )
     figure, (axes,) = new_figure(65)
-    with TemporaryDirectory() as work:
-        for (bed, ratios), colour in zip(SMOOTH.items(), MATERIAL_COLOURS, strict=False):
-            found = []
-            for ratio in ratios[:2] if options.quick else ratios:
-                velocity = ratio * bed.minimum
-                case = f"{bed.name}, {velocity:.3g} m/s ({ratio:g} u_mf)"
-                means = fluidise(Path(work) / f"{bed.diameter}{ratio}", bed, velocity)
-                found.append((ratio, means.drop / bed.weight))
-                section.rows += _rows(case, bed, velocity, means, ratio > 1)
-            axes.plot(*zip(*found, strict=True), "o", color=colour, ms=4, label=bed.name)
-        if not options.quick:
-            bed, ratio = BUBBLING
+    for (bed, ratios), colour in zip(SMOOTH.items(), COLOURS, strict=False):
+        found = []
+        for ratio in ratios[: 2 if quick else None]:
             velocity = ratio * bed.minimum
-            means = fluidise(Path(work) / "bubbling", bed, velocity, 200)
-            case = f"{bed.name}, {velocity:.3g} m/s ({ratio:g} u_mf), bubbling"
-            section.rows += _rows(case, bed, velocity, means, False)
-            axes.plot(ratio, means.carried / bed.weight, "^", color="#009E73", ms=5,
-                      label=f"{bed.name}, with the bottom's force")  # fmt: skip
-            axes.plot(ratio, means.drop / bed.weight, "^", color="#009E73", ms=5, mfc="none",
-                      label="the same, pressure drop alone")  # fmt: skip
+            case = f"{bed.name}, {velocity:.3g} m/s ({ratio:g} u_mf)"
+            means = fluidise(folder / f"{bed.diameter}{ratio}", bed, velocity)
+            found.append((ratio, means.drop / bed.weight))
+            section.rows += _rows(case, bed, velocity, means, ratio > 1)
+        axes.plot(*zip(*found, strict=True), "o", color=colour, ms=4, label=bed.name)
+    if not quick:
+        bed, ratio = BUBBLING
+        velocity = ratio * bed.minimum
+        means = fluidise(folder / "bubbling", bed, velocity, 200)
+        case = f"{bed.name}, {velocity:.3g} m/s ({ratio:g} u_mf), bubbling"
+        section.rows += _rows(case, bed, velocity, means, False)
+        axes.plot(ratio, means.carried / bed.weight, "^", color=GREEN, ms=5,
+                  label=f"{bed.name}, with the bottom's force")  # fmt: skip
+        axes.plot(ratio, means.drop / bed.weight, "^", color=GREEN, ms=5, mfc="none",
+                  label="the same, pressure drop alone")  # fmt: skip
     bed = next(iter(SMOOTH))
-    packed = np.linspace(0, 1, 30)
-    drop = [ergun(max(r, 1e-9) * bed.minimum, bed.diameter, 0.4) for r in packed]
-    axes.plot([*packed, 4], [*np.array(drop) / drop[-1], 1], "k-", lw=0.8)
+    below = np.linspace(0, 1, 30)
+    drop = [ergun(max(r, 1e-9) * bed.minimum, bed.diameter, 0.4) for r in below]
+    axes.plot([*below, 4], [*np.array(drop) / drop[-1], 1], "k-", lw=0.8)
     axes.set_xlabel("velocity over minimum fluidisation (void 0.4)")
     axes.set_ylabel("pressure drop over weight")
     axes.legend(title="line: Ergun at void 0.4, then the weight", title_fontsize=7)
     section.figures["plateau"] = (figure, "Pressure drop of beds on the inlet.")
-    return write_chapter(options, chapter)
+    return section
+
+
+SECTIONS = (plateau,)

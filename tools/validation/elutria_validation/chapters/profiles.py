@@ -6,41 +6,37 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from foamlib import FoamFile
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from elutria.classification.events import Events, read_run
-from elutria.estimates.theory import channel_fines_share, pipe_fines_share
-from elutria.output.plots import STYLE, new_figure
-from elutria.physics.drag import Gas, plug_flow_cut_size, terminal_velocity
-from elutria_validation.book.book import Chapter, Row, Section, write_chapter
-from elutria_validation.chapters.wake import loose_solvers
-from elutria_validation.harness.common import Options
-from elutria_validation.harness.scene import (
-    BOX,
-    CLOUD,
-    CONTROL,
+from elutria_validation.book.figures import BLUE, RED, new_figure
+from elutria_validation.book.rows import Row, Section
+from elutria_validation.harness.box import BoxCase
+from elutria_validation.harness.cases import (
+    SOLUTION,
     add_feed,
     cell_centres,
-    make_scene,
     read_gas,
-    run_scene,
+    solve,
     times,
+    uniform,
 )
+from elutria_validation.references.drag import cut_size, terminal_velocity
+from elutria_validation.references.flows import channel_fines_share, pipe_fines_share
 
 NAME = "profiles"
+TITLE = "Laminar profiles"
 HELP = "Laminar channel and pipe: gas profile and exact partition curves."
 
 Array = NDArray[np.float64]
 
-GAS, GRAVITY = Gas(), 9.81
+GRAVITY = 9.81
 
 
 @dataclass(frozen=True)
@@ -48,8 +44,9 @@ class Duct:
     """A shape: its mesh, its exact profile (velocity over the mean) and its partition to fines."""
 
     name: str
-    mesh: str
+    mesh: Literal["blockMeshDict", "pipeMeshDict"]
     mesh_text: str
+    formula: str
     entrance: dict[str, Any]
     profile: Callable[[Array, float], Array]  # of places (n, 3) and width (m)
     peak: float  # largest velocity over the mean
@@ -66,109 +63,108 @@ def _pipe_profile(places: Array, width: float) -> Array:
 
 
 CHANNEL = Duct(
-    "channel", "blockMeshDict", "", {"patch": "south"}, _channel_profile, 1.5, channel_fines_share
-)
+    "channel", "blockMeshDict", "", "sqrt(1 - v_t/(1.5 U))", {"patch": "south"},
+    _channel_profile, 1.5, channel_fines_share,
+)  # fmt: skip
 PIPE = Duct(
-    "pipe", "pipeMeshDict", " on a mesh of five blocks (O-grid)", {"zone": "pipe"},
-    _pipe_profile, 2.0, pipe_fines_share,
+    "pipe", "pipeMeshDict", " on a mesh of five blocks (O-grid)", "1 - v_t/(2 U)",
+    {"zone": "pipe"}, _pipe_profile, 2.0, pipe_fines_share,
 )  # fmt: skip
 
 
-@rc_context(STYLE)
-def run(options: Options) -> Chapter:
-    """Both shapes at two velocities, widths and densities."""
-    chapter = Chapter(NAME, "Laminar profiles")
-    number = 2000 if options.quick else 10000
-    with TemporaryDirectory() as work:
-        for duct, formula in ((CHANNEL, "sqrt(1 - v_t/(1.5 U))"), (PIPE, "1 - v_t/(2 U)")):
-            section = chapter.section(
-                f"Laminar {duct.name}: gas profile and partition curve",
-                f"The gas enters with the exact profile{duct.mesh_text} and is solved until it is "
-                f"steady; then {number} grains, fed uniformly over the section, move without "
-                f"changing it and without lateral motion: the share to fines is {formula}. "
-                "The points must lie in the exact curve's 95 % band (binomial): of 12 classes at "
-                "most 2 outside, which chance exceeds in 2 % of runs, and chi-squared of all below "
-                "its 95 % limit.",
-            )
-            figure, panels = new_figure(125, rows=2)
-            for velocity, width, density, colour in (
-                (1.0, 0.02, 2650.0, "#D55E00"), (0.4, 0.012, 7200.0, "#0072B2")
-            ):  # fmt: skip
-                folder = Path(work) / f"{duct.name}{velocity}"
-                _classify(section, panels, folder, duct, velocity, width, density, number, colour)
-            panels[0].legend()
-            panels[1].legend()
-            section.figures[duct.name] = (figure, f"Laminar {duct.name}: profile and partition.")
-    return write_chapter(options, chapter)
+@dataclass(frozen=True)
+class Stream:
+    """Gas velocity (m/s) through a duct of `width` (m), and the grains' density (kg/m3)."""
+
+    velocity: float
+    width: float
+    density: float
+    colour: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.velocity:g} m/s, {self.width * 1e3:g} mm, {self.density:g} kg/m3"
+
+
+STREAMS = (Stream(1.0, 0.02, 2650.0, RED), Stream(0.4, 0.012, 7200.0, BLUE))
+
+
+def channel(folder: Path, quick: bool) -> Section:
+    return _section(folder, CHANNEL, quick)
+
+
+def pipe(folder: Path, quick: bool) -> Section:
+    return _section(folder, PIPE, quick)
+
+
+def _section(folder: Path, duct: Duct, quick: bool) -> Section:
+    number = 2000 if quick else 10000
+    section = Section(
+        f"Laminar {duct.name}: gas profile and partition curve",
+        f"The gas enters with the exact profile{duct.mesh_text} and is solved until it is "
+        f"steady; then {number} grains, fed uniformly over the section, move without "
+        f"changing it and without lateral motion: the share to fines is {duct.formula}. "
+        "The points must lie in the exact curve's 95 % band (binomial): of 12 classes at "
+        "most 2 outside, which chance exceeds in 2 % of runs, and chi-squared of all below "
+        "its 95 % limit.",
+    )
+    figure, panels = new_figure(125, rows=2)
+    for stream in STREAMS[: 1 if quick else None]:
+        _classify(section, panels, folder / f"{stream.velocity}", duct, stream, number)
+    panels[0].set_xlabel("distance from the middle over half the width")
+    panels[0].set_ylabel("gas velocity over the mean")
+    panels[1].set_xlabel("diameter, µm")
+    panels[1].set_ylabel("partition to coarse")
+    for axes in panels:
+        axes.legend()
+    section.figures[duct.name] = (figure, f"Laminar {duct.name}: profile and partition.")
+    return section
 
 
 def _classify(
-    section: Section, panels: list[Axes], folder: Path, duct: Duct, velocity: float, width: float,
-    density: float, number: int, colour: str,
-) -> None:  # fmt: skip
-    case = _duct_case(folder, duct, velocity, width)
+    section: Section, panels: list[Axes], folder: Path, duct: Duct, stream: Stream, number: int
+) -> None:
+    width = stream.width
+    case = _duct_case(folder, duct, stream)
     centres, _ = cell_centres(case)
-    largest = 1.05 * plug_flow_cut_size(duct.peak * velocity, density, GAS, gravity=GRAVITY)
-    sizes = {"type": "uniform", "min": 0.1 * largest, "max": largest, "weighting": "number"}
-    solid = {"density": density, "massFraction": 1, "sizeDistribution": sizes}
-    add_feed(
-        case,
-        {"materials": {"solid": solid}, **duct.entrance, "massFlowRate": 1.0, "particles": number},
-    )
-    run_scene(case)
-    name = f"{velocity:g} m/s, {width * 1e3:g} mm, {density:g} kg/m3"
+    largest = 1.05 * cut_size(duct.peak * stream.velocity, stream.density, GRAVITY)
+    grains = uniform(stream.density, 0.1 * largest, largest)
+    add_feed(case, {"materials": grains, **duct.entrance, "massFlowRate": 1.0,
+                    "particles": number})  # fmt: skip
+    solve(case)
     middle = np.abs(centres[:, 2] - 0.5 * width) < 0.15 * width
-    gas = read_gas(case, times(case)[-1])[middle, 2] / velocity
+    gas = read_gas(case, times(case)[-1])[middle, 2] / stream.velocity
     exact = duct.profile(centres[middle], width)
     k = int(np.abs(gas - exact).argmax())
     section.rows.append(
-        Row(name, "gas velocity over the mean at mid-height, worst cell; error absolute", exact[k],
-            gas[k], float(np.abs(gas - exact)[k]), 0.01)
+        Row(stream.name, "gas velocity over the mean at mid-height, worst cell; error absolute",
+            exact[k], gas[k], float(np.abs(gas - exact)[k]), 0.01)
     )  # fmt: skip
     off = centres[middle, 0] - (0.5 * width if duct is CHANNEL else 0)
     radius = np.abs(off) if duct is CHANNEL else np.hypot(*centres[middle, :2].T)
-    panels[0].plot(2 * radius / width, gas, ".", color=colour, markersize=3, label=name)
+    panels[0].plot(2 * radius / width, gas, ".", color=stream.colour, ms=3, label=stream.name)
     line = np.linspace(0, 1, 60)
     panels[0].plot(line, duct.peak * (1 - line**2), "k:", linewidth=0.8)
-    panels[0].set_xlabel("distance from the middle over half the width")
-    panels[0].set_ylabel("gas velocity over the mean")
-    _partition_rows(section, panels[1], duct, name, read_run(case).events, velocity, density,
-                    colour)  # fmt: skip
+    _partition_rows(section, panels[1], duct, stream, read_run(case).events)
 
 
-def _duct_case(folder: Path, duct: Duct, velocity: float, width: float) -> Path:
-    pipe = duct is PIPE
-    duration = 0.8 * width / 0.02 / velocity * 20
-    case = make_scene(
-        folder,
-        settings={
-            f"{BOX}:gasVelocity": velocity,
-            f"{BOX}:radius": width / 2,
-            f"{BOX}:width": width,
-            f"{BOX}:depth": width / 4,
-            f"{BOX}:height": width,
-            f"{BOX}:cellsX": 24 if pipe else 60,
-            f"{BOX}:cellsY": 20 if pipe else 2,
-            f"{BOX}:cellsAlong": 10,
-            f"{BOX}:sideVelocity": "noSlip",
-            f"{BOX}:southNorthGroup": "frictionless",
-            f"{BOX}:gravity": -GRAVITY,
-            f"{CLOUD}:solution/interpolationSchemes/U.air": "cellPoint",
-            "system/scenePlan:gas": "auto",
-            "system/scenePlan:convergeGas": "auto",
-            "system/scenePlan:gasTolerance": 1e-4,
+def _duct_case(folder: Path, duct: Duct, stream: Stream) -> Path:
+    round_pipe = duct is PIPE
+    velocity, width = stream.velocity, stream.width
+    case = BoxCase(
+        mesh=duct.mesh, radius=width / 2, width=width, depth=width / 4, height=width,
+        cells=(24, 20, 10) if round_pipe else (60, 2, 10), gas_velocity=velocity,
+        side_velocity="noSlip", south_north="frictionless", gravity=-GRAVITY, gas_by="cellPoint",
+        solve_gas="auto", converge_gas="auto", gas_tolerance=1e-4, gas_courant=2,
+        tolerance=(1e-10, 1e-3), step=0.2 * width / velocity,
+        end=0.8 * width / 0.02 / velocity * 20,
+        more={
             # exact where the gas does not change along its way, and stable at any step
             "system/fvSchemes:divSchemes/div(alphaPhi.air,U.air)": ("Gauss", "upwind"),
-            "system/scenePlan:gasCourant": 2,
-            "system/fvSolution:PIMPLE/nCorrectors": 3,
-            "system/fvSolution:PIMPLE/nNonOrthogonalCorrectors": 1 if pipe else 0,
-            **loose_solvers(1e-10, 1e-3),
-            f"{CONTROL}:deltaT": 0.2 * width / velocity,
-            f"{CONTROL}:endTime": duration,
-            f"{CONTROL}:writeInterval": duration,
+            f"{SOLUTION}:PIMPLE/nCorrectors": 3,
+            f"{SOLUTION}:PIMPLE/nNonOrthogonalCorrectors": 1 if round_pipe else 0,
         },
-        mesh=duct.mesh,
-    )
+    ).make(folder)  # fmt: skip
     inside, patches = cell_centres(case)
 
     def along(places: Array) -> Array:
@@ -178,21 +174,18 @@ def _duct_case(folder: Path, duct: Duct, velocity: float, width: float) -> Path:
 
     with FoamFile(case / "0/U.air") as field:
         field["internalField"] = along(inside)
-        field["boundaryField", "bottom"] = {
-            "type": "fixedValue", "value": along(patches["bottom"])
-        }  # fmt: skip
+        field["boundaryField", "bottom"] = {"type": "fixedValue", "value": along(patches["bottom"])}
     return case
 
 
 def _partition_rows(
-    section: Section, axes: Axes, duct: Duct, case: str, events: Events, velocity: float,
-    density: float, colour: str,
-) -> None:  # fmt: skip
+    section: Section, axes: Axes, duct: Duct, stream: Stream, events: Events
+) -> None:
     left = events.select(events.has_left)
     terminal = np.array(
-        [terminal_velocity(d, density, GAS, gravity=GRAVITY) for d in left.diameter]
+        [terminal_velocity(d, stream.density, gravity=GRAVITY) for d in left.diameter]
     )
-    coarse = 1 - duct.fines_share(terminal, velocity)
+    coarse = 1 - duct.fines_share(terminal, stream.velocity)
     limits = np.linspace(left.diameter.min(), left.diameter.max(), 13)
     sizes, found, expected, half = [], [], [], []
     statistic = 0.0
@@ -209,17 +202,18 @@ def _partition_rows(
     share, exact, band = np.array(found), np.array(expected), np.array(half)
     inside = int(np.sum(np.abs(share - exact) <= band))
     critical = float(chi2.ppf(0.95, len(sizes)))
-    lost = 1 - len(left) / len(events)
     section.rows += [
-        Row(case, f"classes of {len(sizes)} inside the 95 % band (error: those outside)",
+        Row(stream.name, f"classes of {len(sizes)} inside the 95 % band (error: those outside)",
             len(sizes), inside, len(sizes) - inside, 2),
-        Row(case, "chi-squared (reference: its 95 % limit; error: ratio)", critical, statistic,
-            statistic / critical, 1),
-        Row(case, "share of grains that hover inside at the end; error: itself", 0, lost, lost,
-            0.02),
+        Row(stream.name, "chi-squared (reference: its 95 % limit; error: ratio)", critical,
+            statistic, statistic / critical, 1),
+        Row.size(stream.name, "share of grains that hover inside at the end; error: itself",
+                 1 - len(left) / len(events), 0.02),
     ]  # fmt: skip
+    colour = stream.colour
     axes.fill_between(sizes, exact - band, exact + band, color=colour, alpha=0.25, linewidth=0)
     axes.plot(sizes, exact, "k:", linewidth=0.8)
-    axes.plot(sizes, share, "o", color=colour, markersize=3, label=case)
-    axes.set_xlabel("diameter, µm")
-    axes.set_ylabel("partition to coarse")
+    axes.plot(sizes, share, "o", color=colour, markersize=3, label=stream.name)
+
+
+SECTIONS = (channel, pipe)

@@ -1,0 +1,54 @@
+"""The verification book's quick rows: what the book judges, in minutes; all chapters when slow."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from matplotlib import rc_context
+
+from elutria.output.plots import STYLE
+from elutria_validation.book.page import ORDER
+from elutria_validation.book.writing import run_chapter
+from elutria_validation.harness.job import Job
+
+QUICK = {
+    "contacts": ("bounce", "slip_to_roll"),
+    "impacts": ("gross_sliding",),
+    "settling": ("dem06", "stiff"),
+    "drag": ("single", "spheres", "drops", "isometric", "suspensions", "out_of_range"),
+    "clouds": ("hindered",),
+    "dispersion": ("well_mixed",),
+    "wake": ("hovering",),
+    "budgets": ("momentum",),
+    "classification": ("plug_flow",),
+}
+"""Sections whose short version takes seconds."""
+
+
+def chapter(name: str) -> Any:
+    return importlib.import_module(f"elutria_validation.chapters.{name}")
+
+
+@pytest.mark.parametrize(
+    ("name", "section"), [(name, section) for name, found in QUICK.items() for section in found]
+)
+def test_a_section_passes(tmp_path: Path, measured, name: str, section: str) -> None:
+    (make,) = (one for one in chapter(name).SECTIONS if one.__name__ == section)
+    with rc_context(STYLE):
+        judged = [row for row in make(tmp_path, True).rows if row.allowed is not None]
+    assert judged
+    for row in judged:
+        measured(f"{row.case}: {row.checked}", row.error, row.allowed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ORDER)
+def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
+    module = chapter(name)
+    job = Job(tmp_path / name, quick=True)
+    found = run_chapter(job, module.NAME, module.TITLE, module.SECTIONS)
+    assert found.judged
+    assert [row.failure for row in found.failed] == []
