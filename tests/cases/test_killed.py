@@ -20,7 +20,6 @@ from pathlib import Path
 
 import pytest
 
-from elutria.classification.events import COLUMNS
 from elutria_validation.harness.box import BoxCase, Contacts
 from elutria_validation.harness.cases import CONTROL, add_feed, material
 from elutria_validation.harness.programs import run_program

@@ -16,7 +16,6 @@ Description
 #include "averaging/CellOverlap.H"
 #include "foam/foamVersion.H"
 #include "Random.H"
-#include "volFields.H"
 
 using namespace Foam;
 
