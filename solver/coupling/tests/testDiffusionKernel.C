@@ -43,7 +43,7 @@ volScalarField makeField(const fvMesh& mesh, const scalar value)
     return volScalarField
     (
         passingField("density", mesh), mesh,
-        dimensionedScalar(dimless, value),
+        dimensionedScalar("value", dimless, value),
         zeroGradientFvPatchScalarField::typeName
     );
 }
