@@ -190,8 +190,9 @@ BoxMesh::BoxMesh(const Vector<label>& cells, const scalar side)
         (
             IOobject
             (
+                // READ: of the schemes; there are no files of the mesh
                 polyMesh::defaultRegion, time_->constant(), *time_,
-                IOobject::NO_READ, IOobject::NO_WRITE
+                IOobject::READ_IF_PRESENT, IOobject::NO_WRITE
             ),
             std::move(points),
             faceList(std::move(box.faces)),

@@ -15,6 +15,12 @@ Description
 
 #include "error.H"
 
+REGISTER_EXCEPTION_TRANSLATOR(Foam::error& error)
+{
+    return doctest::String(error.message().c_str());
+}
+
+
 int main(int argc, char** argv)
 {
     // What OpenFOAM would exit with is thrown, so that tests can expect it
