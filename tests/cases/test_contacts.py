@@ -98,3 +98,42 @@ def test_spheres_in_one_plane_but_for_rounding_meet(tmp_path: Path, measured) ->
     after = read_particles(case, "0.02").velocity[:, 0]
     error = np.abs(after / [-0.8, 0.8] - 1).max()
     measured("largest relative error of the speed after", error, 1e-3)
+
+
+def test_a_floor_that_moves_drags_a_grain_by_friction(tmp_path: Path, measured) -> None:
+    # the gas' boundary condition says how the wall moves; the grain slides all the time
+    friction, gravity, end = 0.4, -9.81, 0.02
+    grain = Particles.of([(0.05, 0.05, 0.5e-3)], [(0, 0, 0)], diameter=1e-3)
+    moving = {"type": "fixedValue", "value": "uniform (1 0 0)"}
+    for treatment, processors in (("auto", 1), ("soft", 2)):
+        contacts = Contacts(Pair(0.8, friction), treatment=treatment)
+        box = replace(
+            BOX,
+            cells=(1, 1, 2),
+            gravity=gravity,
+            contacts=contacts,
+            end=end,
+            more={"0.orig/U.air:boundaryField/bottom": moving},
+        )
+        case = box.make(tmp_path / treatment, grain)
+        solve(case, processors)
+        if processors > 1:
+            run_program(["reconstructPar", "-latestTime"], case)
+        after = read_particles(case, f"{end}")
+        expected = friction * -gravity * end
+        measured(
+            f"{treatment}: relative error of the speed",
+            abs(after.velocity[0, 0] / expected - 1),
+            0.02,
+        )
+        spin = 2.5 * expected / 0.5e-3  # friction turns it backwards
+        measured(
+            f"{treatment}: relative error of the spin", abs(after.spin[0, 1] / -spin - 1), 0.02
+        )
+
+
+def test_walls_may_have_a_law_of_their_own(tmp_path: Path, measured) -> None:
+    wall = {**Pair(0.7).entries(), "contactLaw": "linearSpringDashpot"}
+    contacts = Contacts(Pair(0.7), treatment="soft", more={"particleWall": wall})
+    error, _ = bounce(tmp_path / "case", contacts)
+    measured("largest relative error of the restitution", error, 1e-3)

@@ -39,14 +39,14 @@ struct Particles
     std::vector<double> radius, mass;      // m, kg; solid spheres: inertia 2/5 m r^2
     VectorArray position, velocity, spin;  // m, m/s, rad/s
 
-    // Particles that each sphere stands for (see weights.hpp); empty: one
+    // Particles that each sphere stands for (see StochasticCollisions.hpp); empty: one
     std::vector<double> statisticalWeight;
 
-    // Another one in every step: what those meet by chance depends on it
+    // Index of the gas step: the seed of stochastic collisions
     std::uint64_t stepIndex = 0;
 
-    // Volume fraction of the solids around each sphere, for spheres of several particles, which take
-    // no room from each other; empty: none
+    // Volume fraction of the solids around each sphere: spheres of a weight other than one collide
+    // more often by its Enskog factor; empty: 0
     std::vector<double> solidFraction;
 
     // Forcing by the gas, constant during one advance():

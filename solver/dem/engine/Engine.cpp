@@ -19,7 +19,7 @@ struct Engine::Implementation
     LawTable laws, wallLaws;
     SoftIntegrator soft;
     AdaptiveIntegrator adaptive;
-    bool separationTold = false;       // a feed may do so in every step: once will do
+    bool warnedOfSeparation = false;   // once is enough: a feed may do so in every step
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
@@ -106,15 +106,15 @@ void check(const Particles& p, std::size_t materials)
             throw std::invalid_argument(of("position, velocity or spin") + " is not finite");
         if (!p.dragRate.empty() && !(p.dragRate[i] >= 0 && std::isfinite(p.dragRate[i])))
             refuse("dragRate", p.dragRate[i], "0 1/s or more");
-        if (!p.statisticalWeight.empty() && !(p.statisticalWeight[i] > 0 && std::isfinite(p.statisticalWeight[i])))
-            refuse("statisticalWeight", p.statisticalWeight[i], "above 0");
+        const double weight = p.statisticalWeight.empty() ? 1 : p.statisticalWeight[i];
+        if (!(weight > 0 && std::isfinite(weight))) refuse("statisticalWeight", weight, "above 0");
     }
     require(largest <= mostSizeRatio*smallest,
             "radius ratio of largest and smallest particle", largest/smallest,
             "up to " + text(mostSizeRatio) + ", what the levels of cells span");
 }
 
-void warn(const Settings& settings, StepReport& report, bool& separationTold)
+void warn(const Settings& settings, StepReport& report, bool& warnedOfSeparation)
 {
     if (report.largestOverlap > settings.largestOverlap)
     {
@@ -123,9 +123,9 @@ void warn(const Settings& settings, StepReport& report, bool& separationTold)
             + text(100*settings.largestOverlap) + " %). Contacts are too soft for these speeds: raise "
             "youngsModulus or normalStiffness; or particles were inserted into each other.");
     }
-    if (report.separated > 0 && !separationTold)
+    if (report.separated > 0 && !warnedOfSeparation)
     {
-        separationTold = true;
+        warnedOfSeparation = true;
         report.warnings.push_back("Overlaps of particles with each other or with a wall, without an "
             "existing contact, were separated: " + std::to_string(report.separated)
             + ". Likely cause: the feed inserts particles into each other or into a wall.");
@@ -167,7 +167,7 @@ StepReport Engine::advance(Particles& particles, double duration)
     {
         self_->adaptive.advance(particles, duration, report);
     }
-    warn(self_->settings, report, self_->separationTold);
+    warn(self_->settings, report, self_->warnedOfSeparation);
     return report;
 }
 

@@ -9,11 +9,10 @@
 namespace elutria::dem
 {
 
-/// Moves particles as an Engine does, and checks each call's result: all values finite, and no more
-/// kinetic energy than the particles had, the forcing can have given them and the contacts can have
-/// held. A call that fails is made again from the state before it with half the sub-step, which is
-/// kept from then on. With the soft law for all, spheres that enter are made room for first (the
-/// other treatments do so themselves).
+/// An Engine whose steps are checked: all values are finite, and the kinetic energy is no more than
+/// before, plus the work of the forcing and of moving walls, plus what contacts can have stored. A step
+/// that fails is rejected and repeated from the state before it with half the sub-step, which is kept
+/// from then on. Overlaps of particles that enter are removed first (OverlapRemoval).
 class GuardedEngine
 {
 public:
@@ -23,9 +22,10 @@ public:
       : engine_(std::move(engine)), largestFraction_(largestFraction)
     {}
 
-    /// As Engine::advance(). Energy that smaller sub-steps do not remove is reported and kept: it is
-    /// that of overlaps. After other troubles and `retakes` throws std::runtime_error that says
-    /// which particle and why, with the particles and the contacts as they were before.
+    /// As Engine::advance(), rejected steps included. Energy that smaller sub-steps do not remove is
+    /// reported and kept: it is that of overlaps. After any other failure and `retakes` repetitions
+    /// throws std::runtime_error that says which particle and why, with particles and contacts as
+    /// they were before.
     StepReport advance(Particles& particles, double duration, int retakes);
 
     Engine& engine() { return *engine_; }

@@ -9,15 +9,15 @@
 namespace elutria::dem
 {
 
-/// Makes room for spheres that enter between calls: one that overlaps a wall or another sphere is
-/// moved out of it, so that no contact energy comes from nowhere (of spheres, the impacts' search
-/// takes care). OverlapRemoval have larger ids than
-/// all before; those of the first call are taken as they are.
+/// Removes the overlaps of spheres that enter between calls, with walls and with other spheres, so
+/// that no contact energy comes from nowhere (the adaptive integrator separates overlapping spheres
+/// itself). Entering spheres have larger ids than all before; those of the first call are taken as
+/// they are.
 class OverlapRemoval
 {
 public:
-    /// Moves only newcomers, out of walls and, if asked, of `spheres`; a crowd may leave some
-    /// overlap.
+    /// Moves entering spheres only, out of walls and, if asked, out of `spheres`; in a crowd some
+    /// overlap may stay.
     void place(Particles& particles, const Walls& walls, const PeriodicBox& box, bool spheres);
 
 private:

@@ -13,7 +13,7 @@ namespace
 {
 
 constexpr std::uint32_t mostImpacts = 10;        // of one sphere in one run
-constexpr std::uint32_t mostForcedImpacts = 1000;    // also meetings of weighted spheres
+constexpr std::uint32_t mostForcedImpacts = 1000;    // also of stochastic collisions
 constexpr std::size_t fewMembers = 24;           // up to here all pairs are tried
 
 ImpactBody bodyOf(const ParticleState& t)
@@ -191,8 +191,8 @@ double EventDriven::goBack()
 }
 
 
-/// Many impacts of a sphere are a crowd, and those of its weighted meetings none: the others do not
-/// touch it.
+/// Many impacts of a sphere mean that it is crowded; many stochastic collisions do not: their
+/// partners do not touch it.
 bool EventDriven::tooMany(const Event& event) const
 {
     const State &a = states_[event.a], &b = states_[event.b == wall ? event.a : event.b];
@@ -270,8 +270,8 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
 }
 
 
-/// An impact somewhere in the spheres' cross-section, which each feels as often as the other has
-/// particles.
+/// An impact at a random place of the cross-section; each sphere takes part with a probability in
+/// proportion to the other's weight.
 void EventDriven::collideStochastically(const Event& event)
 {
     fly(event.a, event.time);
@@ -279,7 +279,7 @@ void EventDriven::collideStochastically(const Event& event)
     const ParticleState &ta = (*members_)[event.a], &tb = (*members_)[event.b];
     ImpactBody bodyA = bodyOf(ta), bodyB = bodyOf(tb);
     RandomStream stream = randomStream(event.a, event.b);
-    stream.next();                    // has said when
+    stream.next();                    // the first one gave the time
     const double factor = crossSectionFactor(ta, tb), chance = stream.next();
     const Vector3 passing = bodyA.velocity - bodyB.velocity;
     const bool hit = norm(passing) > 0
@@ -297,7 +297,7 @@ void EventDriven::collideStochastically(const Event& event)
 }
 
 
-/// The parties' further meetings, and those of the changed ones with all others.
+/// Predicts the partners' further collisions, and those of the changed ones with all others.
 void EventDriven::predictAfter(const Event& event, bool changedA, bool changedB)
 {
     const auto [time, a, b, versionA, versionB, handOver] = event;

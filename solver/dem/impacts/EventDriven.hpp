@@ -11,27 +11,27 @@
 namespace elutria::dem
 {
 
-/// Moves a small group of spheres from impact to impact: exact flights in between.
+/// Event-driven (hard-sphere) steps of a small group of spheres: exact flights between impacts.
 ///
-///  1. Every meeting that could come is predicted, in order of time (ties: lower index first).
-///  2. The earliest still valid one is carried out; both parties' later predictions lapse and new
-///     ones are made against all others.
-///  3. It stops at the end, or hands over where impacts are not the right picture: spheres that
-///     overlap or stay together, an unsuitable contact law, or too many impacts of one sphere (so
-///     it always ends). A second impact while a first would still last takes it back to the moment
-///     before the first.
+///  1. All possible collisions are predicted and queued by time (ties: lower index first).
+///  2. The earliest valid one is resolved; both partners' later predictions become invalid, and new
+///     ones are made against all other members.
+///  3. It stops at the end, or hands over to the soft law where an impulse cannot stand for a
+///     contact: spheres that overlap or stay together, a contact law without impacts, or too many
+///     impacts of one sphere (so that it ends). A second impact of a sphere within the duration of
+///     its first one takes the group back to the time before the first.
 class EventDriven
 {
 public:
     static constexpr double shallow = 1e-6;   // overlap over radii sum that counts as touching
 
-    /// `forced`: no hand-over for impacts that crowd.
+    /// `forced`: all contacts are impacts, also where they follow each other closely.
     EventDriven(const ImpactLaws& laws, const Walls& walls, const PeriodicBox& box, bool forced)
         : laws_(laws), walls_(walls), box_(box), forced_(forced)
     {}
 
-    /// Members are at `begin`; on return they are at the moment returned: `end`, or the moment of
-    /// hand-over. `segments[i]` gets each new segment of member i's path. `seed`: see weights.hpp.
+    /// Members are at `begin`; on return they are at the time returned: `end`, or the time of
+    /// hand-over. `segments[i]` gets each new segment of member i's path. `seed`: of the stochastic collisions.
     double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t seed,
                std::vector<Path>& segments);
 
@@ -60,7 +60,7 @@ private:
         double since;                    // time at which the particle's flight is given
         Bound bound;                     // of the path from there to the end
         Vector3 end;                     // of the path
-        std::uint32_t version = 0, impacts = 0, stochastic = 0;   // meetings: of weighted spheres
+        std::uint32_t version = 0, impacts = 0, stochastic = 0;   // stochastic: collisions
         double busyUntil = -1;           // end of the last impact, had it a duration
         Walls::Image nextWall{};
     };
@@ -80,7 +80,7 @@ private:
     void remember(double time);
     double goBack();
 
-    /// The last moment at which no impact was going on.
+    /// The last time at which no impact was going on.
     struct Checkpoint
     {
         double time = 0;

@@ -24,8 +24,8 @@ constexpr double never = 1e300;
 
 struct FirstContact
 {
-    double time = never;      // s, when they touch
-    bool lasting = false;     // they stay too close for too long: not a matter of one impact
+    double time = never;      // s, of the first touch
+    bool lasting = false;     // they stay close for so long that it is no single impact
 };
 
 namespace detail

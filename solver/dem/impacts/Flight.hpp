@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-// Exact motion of a particle that touches nothing, under a forcing that is constant in time:
+// Exact motion of a particle without contacts, under a forcing that is constant in time:
 //   dv/dt = a + k (u - v)
 // With the initial acceleration A = a + k (u - v_0) and s = k t
 //   v(t) = v_0 + A t phi1(s),        phi1(s) = (1 - exp(-s))/s

@@ -11,18 +11,18 @@
 namespace elutria::dem
 {
 
-/// What a short binary contact does, as one impulse: the outcome of the soft law for solid spheres
-/// that meet with no third party in reach.
+/// Hard-sphere collision as one impulse: the outcome of the soft law for two solid spheres, or a
+/// sphere and a wall, while nothing else touches them.
 ///
-/// With effective mass m, closing speed c and sliding speed s where they touch, the normal impulse
+/// With effective mass m, closing speed c and sliding speed s at the contact point, the normal impulse
 /// is (1 + e) m c. The tangential impulse, against the sliding, is m c T(s/c): the soft contact law
-/// is integrated once for a table of s/c. Large s/c: gross sliding, T = friction*(1 + e) (Walton
-/// 1993); small s/c: the contact sticks and T = 2/7 (1 + b) s/c, b being the tangential
-/// restitution that the law's spring and dashpot amount to. All laws in use depend on s/c alone.
+/// is integrated once for a table over s/c. Large s/c: gross sliding, T = friction*(1 + e) (Walton
+/// 1993); small s/c: the contact sticks and T = 2/7 (1 + b) s/c, b being the tangential restitution
+/// that the law's spring and dashpot amount to. A law has impacts only if T depends on s/c alone.
 ///
-/// A force that presses the two together meanwhile (weight on a floor, drag) adds no energy, as it
-/// pushes as far in as out, but the damping takes more: e falls with g = acceleration*duration/c.
-/// The law's own slope de/dg serves up to g = mostPressing; beyond, the contact is no impact.
+/// A steady force towards each other (weight on a floor, drag) adds no energy, since it acts on the
+/// way in and out alike, but the dashpot takes more: e decreases with g = acceleration*duration/c.
+/// e is linear in g up to mostPressing; beyond, a contact is no impact.
 class ImpactLaw
 {
 public:
@@ -32,12 +32,12 @@ public:
     ImpactLaw(const LawTable& laws, const ContactMaterials& materials, std::uint32_t a,
               std::uint32_t b);
 
-    /// False where one impulse cannot stand for the contact: cohesion, a damping whose restitution
-    /// depends on speed, the friction of spring-slider-dashpot, which depends on the step, and a
-    /// rolling resistance so strong that it competes with the friction.
+    /// False where one impulse cannot stand for the contact: cohesion, a law that says so
+    /// (ContactLaw::impactSuffices), and a rolling resistance so strong that it competes with the
+    /// friction.
     bool applies() const { return applies_; }
     double restitution() const { return restitution_; }
-    /// Under a force that changes the closing speed by the share `pressing` while contact lasts.
+    /// Under a force that changes the closing speed by the fraction `pressing` during the contact.
     double restitution(double pressing) const
     {
         return std::clamp(restitution_ + pressingSlope_*pressing, 0.0, 1.0);

@@ -9,29 +9,30 @@
 #include <cmath>
 #include <cstdint>
 
-// Impacts of spheres that stand for several particles each, or for a share of one.
+// Stochastic collisions of spheres whose statistical weight is not one.
 //
-// Sphere i must hit the n_j particles of sphere j as often as those would be hit. So a pair has
-// f = max(n_i, n_j) times the spheres' own cross-section s, and an impact changes i with the
-// chance n_j/f and j with n_i/f (Schmidt & Rutland 2000, J. Comput. Phys. 164, 62: collisions of
-// parcels of unequal numbers). Frequencies, and the mean exchange of momentum between any two kinds,
-// are those of the particles; a single event need not conserve it.
+// Sphere i must be hit as often as the n_j particles of sphere j would hit it. So a pair has
+// f = max(n_i, n_j) times the spheres' own cross-section s, and a collision changes i with the
+// probability n_j/f and j with n_i/f (Schmidt & Rutland 2000, J. Comput. Phys. 164, 62: collisions
+// of parcels of unequal weights). Rates, and the mean exchange of momentum between any two kinds of
+// particles, are those of the particles; a single collision need not conserve momentum.
 //
-// Where in its cross-section a pair meets says nothing of the particles, so it meets by chance: while
-// the two pass each other closer than R, at the rate f s |v|/(4/3 pi R^3), touching at any place
-// alike. Chance does not remember, and leaves the places of spheres uncorrelated: if they were turned
-// back at R they would crowd each other out, and meet too often. R is the sum of their reaches; the
-// larger it is, the fewer impacts fall on one passage, where they find a pair already slowed, and
-// the less local they are.
+// Where in its cross-section a pair collides says nothing of the particles, so it is drawn at random:
+// while the two pass each other closer than R, collisions occur at the rate f s |v|/(4/3 pi R^3),
+// with every place of contact equally likely. A random draw has no memory, and leaves the positions
+// of spheres uncorrelated: if spheres were turned back at R they would exclude volume, and collide
+// too often. R is the sum of their ranges. The larger it is, the fewer collisions fall into one
+// passage, where they find a pair that is already slowed, and the less local they are.
 //
-// Such spheres leave each other all the room there is. Particles do not, and so meet oftener
-// (Enskog): the rate grows by their pair correlation at contact.
+// Weighted spheres may overlap and exclude no volume. Real particles at the same solid fraction
+// collide g0 times as often (Enskog); the collision rate is multiplied by g0, the radial
+// distribution function at contact.
 
 namespace elutria::dem
 {
 
-/// Pair correlation at contact, that is collisions over those of a dilute gas, of equal spheres at
-/// a volume fraction of solids (Carnahan & Starling 1969, doi 10.1063/1.1672048, up to one half).
+/// Enskog factor g0: radial distribution function at contact of equal spheres at a volume fraction of
+/// solids, that is their collision rate over that of a dilute gas (Carnahan & Starling 1969, doi 10.1063/1.1672048, up to one half).
 inline double contactCorrelation(double solidFraction)
 {
     const double solids = std::clamp(solidFraction, 0.0, 0.5), room = 1 - solids;
@@ -43,22 +44,23 @@ inline bool isWeighted(const ParticleState& a, const ParticleState& b)
     return a.weight != 1 || b.weight != 1;
 }
 
-/// By how much a pair's cross-section is larger than its spheres', in a dilute cloud.
+/// Cross-section of a pair over that of its spheres, in a dilute cloud.
 inline double crossSectionFactor(const ParticleState& a, const ParticleState& b)
 {
     return std::max(a.weight, b.weight);
 }
 
-/// A sphere's reach in a cloud with weights, m: half an impact a passage of two equal spheres.
-/// One of few, hit several times a passage by those of many, takes a little less from them; if it
-/// reached further it would meet across the layers of a dense feed.
+/// Range of a sphere's stochastic collisions, m: two equal spheres collide in half of their passages.
+/// A sphere of small weight collides several times in a passage of one of large weight, and takes a
+/// little less momentum from it; a larger range would let it collide across the layers of a dense
+/// feed.
 inline double collisionReach(double radius, double weight)
 {
     constexpr double least = 2, most = 128;      // of the weight: 2 to 16 radii
     return radius*std::sqrt(2*std::clamp(weight, least, most));
 }
 
-/// Another number for every number, with no pattern left (the mixing of MurmurHash3).
+/// Mixes the bits of a number, one to one (the finalizer of MurmurHash3).
 inline std::uint64_t scrambled(std::uint64_t z)
 {
     z = (z ^ (z >> 33))*0xff51afd7ed558ccdULL;
@@ -66,8 +68,8 @@ inline std::uint64_t scrambled(std::uint64_t z)
     return z ^ (z >> 33);
 }
 
-/// Reproducible numbers in [0, 1) for a pair on certain segments of its paths. They depend on the piece
-/// of a step (`seed`), and on no value that rounding could change.
+/// Random stream in [0, 1) of a pair on two segments of its paths. It depends on the seed (of the
+/// piece), the ids and the segments, and on no value that rounding could change.
 class RandomStream
 {
 public:
@@ -105,7 +107,7 @@ struct Passage
     {}
 };
 
-/// When a pair with a weight meets by chance, the first of its stream; never if not.
+/// Time of a stochastic collision of a pair, from the first number of its stream; never if none.
 inline double stochasticCollision(const ParticleState& a, const ParticleState& b, const Passage& passage,
                               RandomStream stream)
 {
@@ -129,7 +131,7 @@ inline double stochasticCollision(const ParticleState& a, const ParticleState& b
     return meets < leaves ? passage.from + meets*(passage.end - passage.from) : never;
 }
 
-/// Unit vector from b to a where they touch, for a place of touching as likely as any other.
+/// Unit normal from b to a of a collision, every place of the cross-section equally likely.
 inline Vector3 randomNormal(const Vector3& velocityOfAFromB, RandomStream& stream)
 {
     const Vector3 along = velocityOfAFromB*(1/norm(velocityOfAFromB));

@@ -15,10 +15,10 @@ namespace elutria::dem
 namespace
 {
 
-constexpr std::size_t crowd = 256;           // island of impacts above which a step is cut
-constexpr std::size_t softCrowd = 32;        // island with lasting contacts, of weighted spheres
+constexpr std::size_t crowd = 256;           // particles of an island above which a step is cut
+constexpr std::size_t softCrowd = 32;        // the same with lasting contacts and weighted spheres
 constexpr int mostCuts = 12;                 // halvings of a step
-constexpr double fewSubSteps = 24;           // these cost no more than looking around first
+constexpr double fewSubSteps = 24;           // a shorter step takes the soft law for all
 constexpr int separationRounds = 5;
 
 } // namespace

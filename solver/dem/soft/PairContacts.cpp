@@ -143,7 +143,7 @@ void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList
         const double sum = a.radius + b.radius, reach = sum + buffer.of(i) + buffer.of(j);
         const double distance2 = squaredNorm(apart);
         if (distance2 >= reach*reach) return;
-        // spheres of many particles that are inside each other are on their way through
+        // weighted spheres that overlap without a contact pass through each other
         const bool passing = weighted && distance2 < sum*sum && (weighted[i] | weighted[j]);
         before.carryTo(next, i, j, !passing);
     };

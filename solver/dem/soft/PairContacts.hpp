@@ -22,12 +22,12 @@ struct LastingPair
 /// The pairs that touch or nearly touch, with their history, and their forces.
 ///
 /// Particles are cut into chunks of fixed size in the cloud's order. A pair belongs to the chunk
-/// of its first particle; where its second belongs to another chunk, the force on it is put down
+/// of its first particle; where its second belongs to another chunk, the force on it is stored
 /// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
 /// threads with bitwise the same sums.
 ///
-/// The neighbour list holds pairs within a wide buffer. Of these only the ones within a much smaller
-/// one are here; refresh() chooses them anew before anything can have moved further.
+/// The neighbour list holds pairs within a wide buffer, this table only those within a much smaller
+/// one (near pairs); refresh() chooses them anew before any particle can have consumed it.
 class PairContacts
 {
 public:
@@ -54,7 +54,7 @@ public:
     /// Adds the rolling resistance of the pairs that touch, after evaluate().
     void addRolling(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
 
-    /// Adds what pairs of other chunks do to the particles of this one.
+    /// Adds the forces of other chunks' pairs on the particles of this one.
     void receive(std::size_t chunk, SoftCloud& cloud) const;
 
     /// Largest overlap met since the last call, over twice the effective radius.

@@ -59,7 +59,7 @@ public:
     std::vector<Load> loads;
     std::vector<Forcing> forcing;           // empty without drag and with equal accelerations
     std::vector<std::uint8_t> materials;    // empty if all are 0
-    std::vector<std::uint8_t> weighted;     // other than one particle each; empty if none is
+    std::vector<std::uint8_t> weighted;     // statistical weight not one; empty if none is
     Vector3 push;                           // m/s^2: of all, where forcing is empty
     Vector3 frame;                          // m/s: common velocity, taken off in the rows
     double smallest = 0, largest = 0, mean = 0;   // radius, m

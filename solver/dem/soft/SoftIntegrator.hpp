@@ -18,16 +18,16 @@ namespace elutria::dem
 ///
 /// Each sub-step follows the linear drag and the constant acceleration exactly and contacts with
 /// second order (an exponential trapezoid; without drag it is velocity Verlet). With the contact
-/// acceleration a and phi1, phi2 of flight.hpp at k h:
+/// acceleration a and phi1, phi2 of Flight.hpp at k h:
 ///   x(t+h) = x + h phi1 v + h^2 phi2 (A + a)
 ///   v*     = exp(-k h) v + h phi1 (A + a)         predicted, for the forces of t+h
 ///   v(t+h) = v* + h phi2 (a(t+h) - a)
 /// Between evaluations Base holds v* - h phi2 a, so that v = base + h phi2 a(t+h).
 ///
-/// Three rhythms: every sub-step moves and evaluates the near pairs; these are chosen anew from the
-/// neighbour list when some may have used up their near buffer; all is sorted and searched anew when
-/// the list's own buffer leaves no room for that (VerletBuffer). Verlet buffers follow from the speeds, what was used
-/// before and a fixed model of costs, never from a clock: the same input gives the same bits.
+/// Three intervals: every sub-step moves the particles and evaluates the near pairs; these are chosen
+/// anew from the neighbour list when a near buffer may be consumed; particles are sorted and the list
+/// is made anew when its own buffer leaves no room for that (VerletBuffer). Buffers follow from speeds,
+/// past consumption and a fixed cost model, never from a clock: the same input gives the same bits.
 class SoftIntegrator
 {
 public:

@@ -22,7 +22,7 @@ constexpr double pairCost = 6;           // per near pair and sub-step
 
 } // namespace
 
-/// Time between choices of near pairs, s: the least sum of their cost and of near pairs that do not
+/// Time between choices of near pairs, s: minimises their cost plus that of near pairs that do not
 /// touch.
 double SoftIntegrator::nearInterval() const
 {
@@ -33,7 +33,7 @@ double SoftIntegrator::nearInterval() const
     return step_*std::clamp(steps, 2.0, 2000.0);
 }
 
-/// Time between neighbour lists, s: the least sum of their cost and of pairs looked at for nothing.
+/// Time between neighbour lists, s: minimises their cost plus that of listed pairs that are not near.
 double SoftIntegrator::listInterval() const
 {
     const double near = nearInterval();
@@ -43,7 +43,7 @@ double SoftIntegrator::listInterval() const
     return std::clamp(step_*steps, 2*near, 1e5*step_);
 }
 
-/// Most that the list may grant a particle, m.
+/// Largest buffer of a particle in the list, m.
 double SoftIntegrator::widestBuffer() const
 {
     if (settings_.skin > 0) return 0.5*settings_.skin;
@@ -58,7 +58,7 @@ double SoftIntegrator::widestBuffer() const
     return most;
 }
 
-/// The plain methods keep no list: they are references to compare with.
+/// The reference methods keep no list.
 bool SoftIntegrator::searchesEveryStep() const
 {
     return settings_.search == NeighbourSearch::bruteForce
@@ -129,7 +129,7 @@ void SoftIntegrator::rebuild()
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { refreshWalls(c); });
 }
 
-/// New buffers for a new list.
+/// Buffers for a new list.
 void SoftIntegrator::grantBuffers()
 {
     const std::size_t chunks = contacts_.chunks();
@@ -157,7 +157,7 @@ void SoftIntegrator::grantBuffers()
 
 void SoftIntegrator::grantNear()
 {
-    constexpr double least = 8;      // sub-steps of the fastest, before anyone looks closer
+    constexpr double least = 8;      // sub-steps of the fastest particle
     const double interval = nearInterval(), most = 0.5*widestBuffer();
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
@@ -220,7 +220,7 @@ void SoftIntegrator::refreshWalls(std::size_t chunk)
     motion_[chunk].wallWay = 0;
 }
 
-/// True if no touch can have been missed; looks closer where the bounds do not tell.
+/// True if the near pairs hold every pair that can touch; measures where the bounds do not suffice.
 bool SoftIntegrator::nearSuffices()
 {
     if (nearBuffer_.farthest() > 2*widestBuffer()) return false;
@@ -235,7 +235,7 @@ bool SoftIntegrator::nearSuffices()
     return true;
 }
 
-/// Refreshes or rebuilds what may miss a touch after the way gone so far.
+/// Refreshes or rebuilds lists that could miss a pair after the displacements so far.
 void SoftIntegrator::ensureLists()
 {
     if (!valid_ || searchesEveryStep()) return rebuild();

@@ -13,7 +13,7 @@ struct ChunkMotion
 {
     Vector3 frame;                       // m/s
     double speed = 0, wallSpeed = 0;     // m/s, of the fastest: in the frame, at rest with the walls
-    double wallWay = 0;                  // m, of the fastest since the walls were looked for
+    double wallWay = 0;                  // m, of the fastest since walls were collected
 };
 
 /// For each chunk the others that its particles may meet.
@@ -22,40 +22,41 @@ using ChunkNeighbours = std::vector<std::vector<std::uint32_t>>;
 /// Neighbours are chunks whose boxes around all surfaces are nearer than `reach`, m.
 ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach);
 
-/// How far particles may go before a list misses a pair, and what is left of it.
+/// Verlet buffer of a neighbour list, particle by particle, and what is left of it.
 ///
-/// A list holds the pairs whose gap is below the sum of both buffers. A particle's buffer is the way at
-/// its own speed over the planned interval, plus a share for surprises, learnt by each chunk from
-/// the interval before: so a few fast particles make the lists of the others neither long nor
-/// short-lived. Between steps only bounds are kept, by chunk: ways add up in the chunk's
-/// frame, frames shift against each other. measure() replaces a bound by what the particles did, which
-/// is far less where they go to and fro.
+/// A list holds the pairs whose gap is below the sum of both buffers. A particle's buffer is its speed
+/// times the planned rebuild interval plus a margin that each chunk adapts from the last interval: a
+/// few fast particles make the lists of the others neither long nor short-lived. Between steps only
+/// bounds are kept, by chunk: displacements add up in the chunk's frame, frames shift against each
+/// other. measure() replaces the accumulated bound by the true displacement, which is smaller for
+/// oscillating particles.
 class VerletBuffer
 {
 public:
-    /// Forgets what was learnt.
+    /// Forgets the adapted margins.
     void forget() { chunks_.clear(), anchors_.clear(); }
 
     void resize(std::size_t particles, std::size_t chunkSize);
     std::size_t chunks() const { return chunks_.size(); }
 
-    /// First guess of a chunk's surprises, m/s.
+    /// First guess of the speed by which a chunk's margin grows, m/s.
     void expect(std::size_t chunk, double rate);
-    /// Learns from what measure() found after `elapsed` s; the chunk's neighbours' shifts count.
+    /// Adapts the margin to what measure() found after `elapsed` s, neighbouring chunks' shifts
+    /// included.
     void learn(std::size_t chunk, double elapsed, const ChunkNeighbours& neighbours);
-    /// Mean speed at which buffers are used up, m/s.
+    /// Mean speed at which buffers are consumed, m/s.
     double meanRate() const;
 
-    /// Grants all particles of the chunk a new buffer for `interval` s, from `least` to `most`, m,
-    /// and none below twice what `others` grant.
+    /// Gives all particles of the chunk a new buffer for `interval` s, from `least` to `most`, m,
+    /// and at least twice that of `others`.
     void grant(std::size_t chunk, const SoftCloud& cloud, const Vector3& frame, double interval,
                double least, double most, const VerletBuffer* others = nullptr);
     /// The same, equal for all, m.
     void grant(std::size_t chunk, const SoftCloud& cloud, double equal);
 
-    /// Takes off a way of the fastest particle in the frame, and moves the frame.
+    /// Subtracts the displacement of the fastest particle in the frame, and moves the frame.
     void use(std::size_t chunk, double way, const Vector3& shift);
-    /// Finds out what is left, now and after setting aside what `others` grant each particle.
+    /// Measures what is left, less the buffers of `others`.
     void measure(std::size_t chunk, const SoftCloud& cloud, const VerletBuffer* others = nullptr);
 
     /// False if pairs of the chunk with its neighbours may have come closer by more than their
@@ -76,8 +77,8 @@ private:
     struct Chunk
     {
         Vector3 origin, shift;           // m
-        double share = 0;                // m, of each buffer, for surprises
-        double left = 0, way = 0;        // m, least left and farthest way of a particle
+        double share = 0;                // m, margin in each buffer
+        double left = 0, way = 0;        // m, least left and largest displacement of a particle
         double meanWay = 0;              // m
         double rate = 0, meanRate = 0;   // m/s
         double rounding = 0;             // m, of the anchors

@@ -120,7 +120,7 @@ TEST_CASE("free flight: refused where a path is too long for the periodic box")
 TEST_CASE("candidates: the pairs that brute force in small steps finds to touch")
 {
     Stages stages;
-    const std::vector<ParticleState> start = thrownTogether(150, 0.04, 1);
+    const std::vector<ParticleState> start = thrownTogether(300, 0.04, 1);
     const double time = 5e-3;
     stages.find(stages.piece(start, time));
     std::vector<Pair> touching;
