@@ -1,1 +1,1 @@
-"""What tests share: a stand-in solver, malformed inputs, meshes."""
+"""What tests share: a stand-in solver, malformed inputs, meshes, sweeps."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 COLUMN = Path(__file__).resolve().parents[2] / "cases/column"
-HEAVY = {"numpy", "scipy", "pandas", "matplotlib", "PyFoam", "foamlib", "meshio", "fluids"}
+HEAVY = {"numpy", "scipy", "pandas", "matplotlib", "PyFoam", "foamlib", "fluids"}
 
 
 def loaded(*arguments: str) -> set[str]:
@@ -35,4 +35,4 @@ def test_help_needs_no_heavy_package(arguments: list[str]) -> None:
 
 def test_check_draws_and_fits_nothing() -> None:
     heavy = loaded("check", str(COLUMN))
-    assert not heavy & {"pandas", "matplotlib", "PyFoam", "meshio"}
+    assert not heavy & {"pandas", "matplotlib", "PyFoam"}

@@ -56,9 +56,10 @@ def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
     from elutria.case.case import Case
     from elutria.estimates.check import report
+    from elutria.output.report import print_table
 
     for table in report(Case(case)):
-        console.print(table)
+        print_table(console, table)
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")
@@ -198,10 +199,11 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
 
 
 def _show(tables: Classification) -> None:
-    from elutria.output.report import inside_notes, summary_table
+    from elutria.output.report import inside_notes, print_table, summary_table
 
     if tables.summary:
-        console.print(summary_table(tables.summary))
+        table = summary_table(tables.summary)
+        print_table(console, table, keys=2 if table.columns[1].header == "material" else 1)
     for line in inside_notes(tables.partition):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 

@@ -10,9 +10,7 @@ import pytest
 from elutria.classification.events import Account, Events, Run
 from elutria.classification.precision import Precision, d50_half_width
 from elutria.errors import InputError
-from tests.unit.running.test_run import sweep
-
-FEW = ["system/simulationParameters:particles=400"]
+from tests.support.sweeps import sweep
 
 
 def run_of(number: int, cut: float = 500e-6, largest: float = 2e-3) -> Run:
@@ -62,20 +60,18 @@ def test_a_sweep_runs_replicates_until_it_is_precise_and_none_twice(
     column: Path, tmp_path: Path, fake_solver: Path
 ) -> None:
     to = tmp_path / "out"
-    first = sweep(column, to, "4,6", extra=FEW, precision=Precision(0.03))
+    first = sweep(column, to, "4,6", precision=Precision(0.03))
     assert not first.failures and not first.imprecise
     runs = len(fake_solver.read_text().splitlines())
     assert runs > 2
     for row in first.tables.summary:
         assert (row["d50_high_m"] - row["d50_low_m"]) / 2 <= 0.03 * row["d50_m"]
-    again = sweep(column, to, "4,6", extra=FEW, precision=Precision(0.03))
+    again = sweep(column, to, "4,6", precision=Precision(0.03))
     assert len(fake_solver.read_text().splitlines()) == runs == again.skipped
     assert again.tables.summary == first.tables.summary
 
 
 @pytest.mark.usefixtures("fake_solver")
 def test_what_stays_imprecise_is_said(column: Path, tmp_path: Path) -> None:
-    result = sweep(
-        column, tmp_path / "out", "5", extra=FEW, precision=Precision(0.002, most_runs=2)
-    )
+    result = sweep(column, tmp_path / "out", "5", precision=Precision(0.002, most_runs=2))
     assert result.imprecise == [5.0]

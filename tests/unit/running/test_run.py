@@ -17,46 +17,16 @@ import pytest
 
 from elutria import tables
 from elutria.case.case import Case
-from elutria.classification.precision import Precision
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
 from elutria.running.run import Goal, is_finished, run_case
 from elutria.running.solver import Step, follow
-from elutria.running.sweep import SweepResult, parse_velocities, plan, run_sweep
-from elutria.running.worker import local_executor
-
-SMALL = ["system/simulationParameters:particles=400"]
+from elutria.running.sweep import parse_velocities, plan, run_sweep
+from tests.support.sweeps import SMALL, Silent, sweep
 
 
 def started(starts: Path) -> list[str]:
     return starts.read_text().splitlines() if starts.exists() else []
-
-
-class Silent:
-    """A sweep's watcher that tells nothing."""
-
-    def progress(self, name: str, share: float, note: str) -> None:
-        pass
-
-    def finished(self, name: str, line: str) -> None:
-        pass
-
-    def planned(self, runs: int) -> None:
-        pass
-
-
-def sweep(
-    case: Path,
-    to: Path,
-    velocities: str,
-    replicates: int = 1,
-    extra: list[str] = SMALL,
-    precision: Precision | None = None,
-) -> SweepResult:
-    source = Case(case)
-    members = plan(source, to, parse_velocities(velocities), replicates, extra)
-    with local_executor(2) as executor:
-        return run_sweep(source, to, members, executor, 1, Silent(), precision)
 
 
 @pytest.mark.usefixtures("fake_solver")

@@ -1,0 +1,39 @@
+"""Sweeps of a few parcels, for tests that look at their tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from elutria.case.case import Case
+from elutria.classification.precision import Precision
+from elutria.running.sweep import SweepResult, parse_velocities, plan, run_sweep
+from elutria.running.worker import local_executor
+
+SMALL = ["system/simulationParameters:particles=400"]
+
+
+class Silent:
+    """A sweep's watcher that tells nothing."""
+
+    def progress(self, name: str, share: float, note: str) -> None:
+        pass
+
+    def finished(self, name: str, line: str) -> None:
+        pass
+
+    def planned(self, runs: int) -> None:
+        pass
+
+
+def sweep(
+    case: Path,
+    to: Path,
+    velocities: str,
+    replicates: int = 1,
+    extra: list[str] = SMALL,
+    precision: Precision | None = None,
+) -> SweepResult:
+    source = Case(case)
+    members = plan(source, to, parse_velocities(velocities), replicates, extra)
+    with local_executor(2) as executor:
+        return run_sweep(source, to, members, executor, 1, Silent(), precision)
