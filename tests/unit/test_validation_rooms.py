@@ -12,7 +12,7 @@ from elutria import cli
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 PACKAGE = TOOLS / "validation/elutria_validation"
-ROOMS = ("references", "harness", "book", "chapters", "benchmarks")
+ROOMS = ("references", "harness", "book", "chapters", "benchmarks", "fits")
 """Each may import itself and those before it; `commands` may import all."""
 
 

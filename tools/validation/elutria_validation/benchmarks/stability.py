@@ -25,6 +25,7 @@ from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
 from elutria.output.plots import COLUMN_WIDTH, STYLE
 from elutria_validation.benchmarks.stability_points import MAPS, Map
+from elutria_validation.book.page import templates
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.provenance import machine, write_result
 from elutria_validation.harness.scenes import EndedEarly, Verdict
@@ -103,48 +104,12 @@ def counts(rows: Sequence[dict[str, Any]]) -> dict[str, int]:
 
 
 def text(maps: Sequence[Map], rows: Sequence[dict[str, Any]]) -> str:
-    """The page of the book: counts by map, and every point that is not right."""
-    made = machine()
-    lines = [
-        "# Stability",
-        "",
-        "Short runs of elutriaFoam at extreme points (`elutria bench stability`): how far each is",
-        "off a balance or a closed form, and whether the solver said so.",
-        "",
-        f"OpenFOAM {made['openfoam']}, {made['processor']}, commit {made['commit'][:10]}.",
-        "",
-        "| map | points | right | off | refused | failed | wrong without a warning |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
-    ]
-    for name, group in [*((m.title + f" ({m.name})", [r for r in rows if r["map"] == m.name])
-                          for m in maps), ("all", list(rows))]:  # fmt: skip
-        lines.append(f"| {name} | " + " | ".join(str(n) for n in counts(group).values()) + " |")
-    lines += ["", "Points that are not right:", "",
-              "| map | point | class | off by | warned | what |", "| --- " * 6 + "|"]  # fmt: skip
-    for row in rows:
-        if row["class"] != "right":
-            point = f"{row['x_name']} {row['x']}, {row['y_name']} {row['y']}"
-            lines.append(
-                f"| {row['map']} | {point} | {row['class']} | {row['off_by']:.2g} | "
-                f"{'yes' if row['warned'] else 'no'} | {row['what']} |"
-            )
-    return "\n".join(lines) + "\n" + LIMITS
+    """The page: counts by map, every point that is not right, and the limits."""
+    groups = {f"{m.title} ({m.name})": [r for r in rows if r["map"] == m.name] for m in maps}
+    by_map = {name: counts(group) for name, group in {**groups, "all": list(rows)}.items()}
+    template = templates("benchmarks").get_template("stability.md.j2")
+    return template.render(made=machine(), counts=by_map, rows=rows)
 
-
-LIMITS = """
-## Limits, and what holds them
-
-- Contact sub-steps above 0.2 of a contact's duration make energy: `stepFraction` above it is
-  refused, a `step` in seconds above it is lowered with a warning. Energy from nowhere in a step
-  (more than half above what can be) is found and the step taken again with half the sub-step.
-- A gas step that crosses more than `gasCourant` cells is taken in parts, at most 64; beyond that
-  there is a warning. Gas that is not finite or faster than 1000 m/s is taken again in twice the
-  parts, `retakes` times.
-- PISO with one corrector loop loses momentum where viscosity spreads it over more than three
-  cells in a step (nu dt/dx^2 above 10): there is a warning; lower `deltaT`, or raise
-  `nOuterCorrectors`.
-- A run that cannot go on writes its last sound state and says time, cell and likely cause.
-"""
 
 LOOKS = {  # Okabe and Ito's colours, and a shape of its own
     "right": ("#0072B2", "o"),

@@ -204,7 +204,7 @@ COLOURS = {"model or material": "#0072B2", "numerics": "#009E73", "chance": "0.6
 
 def figure(rows: Sequence[Row]) -> Figure:
     """Bars of the change of d50 and of the sharpness, the widest at the top."""
-    shown = sorted((row for row in rows if isfinite(row["d50_change"])), key=_width)
+    shown = sorted((row for row in rows if isfinite(row["d50_change"])), key=width)
     names = [f"{row['group']}: {row['what']}" for row in shown]
     colours = [COLOURS.get(row["group"], COLOURS["model or material"]) for row in shown]
     size = (2 * COLUMN_WIDTH, 0.15 * len(shown) + 0.8)
@@ -232,29 +232,6 @@ def figure(rows: Sequence[Row]) -> Figure:
     return result
 
 
-def page(rows: Sequence[Row]) -> list[str]:
-    """Lines of the benchmark's page, the widest change first."""
-    return [
-        "# What moves the cut",
-        "",
-        f"The {SCENE.name}, one thing changed at a time, against the run with the most parcels.",
-        "Changes with one standard deviation of chance; what is within two is not known to move.",
-        "",
-        "| what | d50 | sharpness |",
-        "| --- | --- | --- |",
-        *(_moved(row) for row in sorted(rows, key=_width, reverse=True)),
-    ]
-
-
-def _width(row: Row) -> float:
+def width(row: Row) -> float:
+    """Size of the change of d50; those that failed come last."""
     return abs(row["d50_change"]) if isfinite(row["d50_change"]) else -1.0
-
-
-def _moved(row: Row) -> str:
-    name = f"{row['group']}: {row['what']}"
-    if row["note"]:
-        return f"| {name} | {row['note']} | |"
-    return (
-        f"| {name} | {100 * row['d50_change']:+.1f} +- {100 * row['d50_noise']:.1f} % | "
-        f"{row['sharpness_change']:+.3f} +- {row['sharpness_noise']:.3f} |"
-    )

@@ -40,19 +40,29 @@ class Settling:
     def reynolds(self) -> float:
         return self.terminal * self.diameter / NU
 
+    @property
+    def cell(self) -> float:
+        """Size of a cell, m."""
+        return self.ratio * self.diameter
+
+    @property
+    def duration(self) -> float:
+        """In which its motion and the gas become steady, s."""
+        width = max(1.5 * self.diameter, 0.34 * self.cell)
+        gas = 6 * min(width**2 / NU, 4 * width / self.terminal)
+        return max(3 * self.terminal / STANDARD_GRAVITY, gas, 20 * self.cell / self.terminal)
+
+    @property
+    def falling(self) -> float:
+        """Velocity past the cells, six of them in its duration, over the terminal one."""
+        return 6 * self.cell / self.duration / self.terminal
+
     def error(self, folder: Path, corrected: bool) -> float:
         """Mean relative error of the slip once it is steady, coupled both ways."""
-        diameter, terminal = self.diameter, self.terminal
-        cell, cells = self.ratio * diameter, 12
-        width = max(1.5 * diameter, 0.34 * cell)
-        duration = max(
-            3 * terminal / STANDARD_GRAVITY,
-            6 * min(width**2 / NU, 4 * width / terminal),
-            20 * cell / terminal,
-        )
-        upflow = terminal - 6 * cell / duration  # it falls past six cells
+        diameter, terminal, cell, cells = self.diameter, self.terminal, self.cell, 12
+        upflow = terminal - self.falling * terminal
         step = min(0.25 * cell / terminal, cell**2 / NU)
-        steps = int(np.ceil(duration / step))
+        steps = int(np.ceil(self.duration / step))
         # viscosity carries the disturbance over nu/u: walls are beyond, or far enough
         reach = max(0.0, min(FAR * diameter, 2 * NU / terminal) - cells * cell / 2)
         across, side, grading = stretched(cells, cell, reach)
