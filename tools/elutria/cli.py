@@ -128,10 +128,11 @@ def sweep(
     with _SweepDisplay(len(members)) as display, local_executor(jobs) as executor:
         result = run_sweep(source, folder, members, executor, np, display, asked)
     if result.skipped:
-        console.print(f"{result.skipped} runs were finished before", style="dim")
+        console.print(f"{result.skipped} runs were complete before", style="dim")
     _show(result.tables)
     for speed in result.imprecise:
-        console.print(f"{speed:g} m/s: d50 is not known to {precision:g} after {most_runs} runs")
+        asked_for = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
+        console.print(f"{speed:g} m/s: the 95 % interval of d50 is wider than {asked_for}")
     if result.tables.summary:
         _plot(folder)
     if result.failures:

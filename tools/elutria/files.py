@@ -1,4 +1,4 @@
-"""Files that are either whole or not there: written beside their place, then renamed."""
+"""Files, read with checks and written atomically: beside their place, then renamed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def writing_to(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """A temporary path in the folder of `path`, renamed to `path` when the block succeeds."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
     try:
@@ -50,8 +50,8 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write `text` to `path`, whole or not at all."""
-    with whole_file(path) as temporary:
+    """Write `text` to `path` atomically."""
+    with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
@@ -65,7 +65,7 @@ def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, An
 
     Numbers are written so that they read back to the same value; a missing one is ``nan``.
     """
-    with whole_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(columns)
         for row in rows:
@@ -137,7 +137,7 @@ def read_json(path: Path) -> dict[str, Any]:
     try:
         content = json.loads(read_text(path))
     except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: is not whole JSON ({one_line(error)})") from error
+        raise InputError(f"{path}: is not complete JSON ({one_line(error)})") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: must hold a JSON object, not {type(content).__name__}")
     return content

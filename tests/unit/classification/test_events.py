@@ -98,7 +98,7 @@ def test_a_table_cut_anywhere_is_refused(finished: Path) -> None:
     text = table(finished).read_text()
     for length in (0, 5, 150, len(text) // 2, len(text) - 1, text.rindex("\n", 0, -1) + 1):
         table(finished).write_text(text[:length])
-        with pytest.raises(InputError, match=r"particles.csv|tables are not whole"):
+        with pytest.raises(InputError, match=r"particles.csv|tables are incomplete"):
             read_run(finished)
 
 
@@ -144,7 +144,7 @@ def test_a_ledger_that_disagrees_is_refused(finished: Path) -> None:
         ledger["total"]["outlets"]["fines"]["mass_kg"] *= 1.01
 
     change_ledger(finished, more_mass)
-    with pytest.raises(InputError, match="not whole"):
+    with pytest.raises(InputError, match="incomplete"):
         read_run(finished)
 
 

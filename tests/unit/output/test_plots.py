@@ -132,7 +132,7 @@ def test_what_did_not_leave_is_said() -> None:
     run.events.outlet[hovering] = "inside"
     (line,) = inside_notes(classify(run, 5.0, 1.0).partition)
     assert "5 m/s" in line
-    assert "still inside" in line
+    assert "still in the column" in line
     assert "um" in line
     # half of ln(520/480)
-    assert float(line.split("move by ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)
+    assert float(line.split("shift by up to ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)

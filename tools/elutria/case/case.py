@@ -146,7 +146,7 @@ class Case:
         return source, [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
 
     def check_mesh(self) -> None:
-        """Raise InputError unless there is a plan of the mesh, or a mesh that is whole."""
+        """Raise InputError unless there is a plan of the mesh, or a complete mesh."""
         if (self.path / "Allrun.pre").is_file():
             return
         plan, mesh = self.path / "system/blockMeshDict", self.path / "constant/polyMesh"

@@ -35,7 +35,7 @@ class Classification:
         self.curves += other.curves
 
     def write(self, folder: Path) -> None:
-        """summary, partition, fit and curve.csv in `folder`, each whole or not at all."""
+        """summary, partition, fit and curve.csv in `folder`, each written atomically."""
         write_csv(folder / "partition.csv", tables.PARTITION, self.partition)
         write_csv(folder / "fit.csv", tables.FIT, self.fits)
         write_csv(folder / "curve.csv", tables.CURVE, self.curves)

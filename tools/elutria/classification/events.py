@@ -2,7 +2,7 @@
 
 `particles.csv` of all `postProcessing/outlets/TIME`, `postProcessing/inside.csv` and
 `postProcessing/ledger.json` must agree; a file that ends within a row, a repeated parcel or a
-count that differs from the ledger's is refused, so that half a run is never taken for a whole one.
+count that differs from the ledger's is refused: an incomplete run is never taken for complete.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def _sum(accounts: list[Account]) -> Account:
 
 
 def read_run(case: Path) -> Run:
-    """Events and ledger of CASE/postProcessing. Raises InputError for what is not whole."""
+    """Events and ledger of CASE/postProcessing. Raises InputError for what is incomplete."""
     folder = case / "postProcessing"
     ledger_file = folder / "ledger.json"
     if not ledger_file.is_file():
@@ -268,11 +268,11 @@ def _compare(events: Events, account: Account, total: dict[str, Any], folder: Pa
         if rows != parcels:
             raise InputError(
                 f"{folder}: {rows} rows of {place}, but ledger.json counts {parcels} parcels: "
-                "the tables are not whole"
+                "the tables are incomplete"
             )
         found = float(np.sum(events.mass[chosen]))
         if abs(found - mass) > 1e-6 * max(mass, 1e-300):
             raise InputError(
                 f"{folder}: {found:.9g} kg in the rows of {place}, but ledger.json says "
-                f"{mass:.9g} kg: the tables are not whole"
+                f"{mass:.9g} kg: the tables are incomplete"
             )

@@ -1,4 +1,4 @@
-"""A mesh on disk, constant/polyMesh: whole, and its files fit each other. Nothing is repaired.
+"""A mesh on disk, constant/polyMesh: complete and consistent. Nothing is repaired.
 
 OpenFOAM follows the numbers of these files without looking; a wrong one ends in a memory fault.
 """

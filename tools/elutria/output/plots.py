@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from elutria import tables
 from elutria.errors import InputError
-from elutria.files import read_csv, whole_file
+from elutria.files import atomic_write, read_csv
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -62,8 +62,8 @@ def write_figures(folder: Path) -> list[Path]:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a figure, whole or not at all."""
-    with whole_file(path) as temporary:
+    """Write a figure atomically."""
+    with atomic_write(path) as temporary:
         figure.savefig(temporary)
     return path
 

@@ -126,9 +126,9 @@ def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) ->
         if max(share, shift) > limit:
             worst = max(here, key=lambda row: row["inside_kg"])
             notes.append(
-                f"{velocity:g} m/s: {100 * share:.2g} % of the feed is still inside, most "
-                f"of it near {worst['diameter_m'] * 1e6:.3g} um, and is in no curve; d50 could "
-                f"move by {100 * shift:.2g} %; a longer drainTime lets it leave"
+                f"{velocity:g} m/s: {100 * share:.2g} % of the feed's mass is still in the column, "
+                f"most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it out; d50 "
+                f"may shift by up to {100 * shift:.2g} %. Increase drainTime in constant/feed."
             )
     return notes
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.files import read_json, whole_file, writing_to
+from elutria.files import atomic_write, read_json, writing_to
 from elutria.openfoam.started import started_in
 
 CONVERTED = "foamToVTK"
@@ -66,6 +66,6 @@ def _collect(
             )
     if len(collection) == 0:
         return None
-    with whole_file(to) as temporary:
+    with atomic_write(to) as temporary:
         ElementTree.ElementTree(root).write(temporary, xml_declaration=True, encoding="utf-8")
     return to

@@ -1,8 +1,8 @@
 """One run: copy the case, mesh it, solve it, and mark it finished.
 
 A run's folder holds `elutria.json` (what it is a run of) from the start and `finished.json` once it
-is whole. Programs are started in the run's folder, so that no name of a file or folder is ever part
-of a command line.
+is complete. Programs are started in the run's folder, so that no name of a file or folder is ever
+part of a command line.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _goal(case: Case, velocity: float, feed: Feed) -> Goal:
 
 
 def is_finished(folder: Path, fingerprint: str) -> bool:
-    """Whether `folder` holds a whole run of exactly these inputs."""
+    """Whether `folder` holds a complete run of exactly these inputs."""
     try:
         return bool(read_json(folder / FINISHED).get("inputs") == fingerprint)
     except InputError:
@@ -84,7 +84,7 @@ def run_case(
     on_step: Callable[[float, Step], None] = lambda *_: None,
     neighbour: Path | None = None,
 ) -> Case:
-    """Run `case` with `settings` in `folder`; a whole run of the same inputs is not run again.
+    """Run `case` with `settings` in `folder`; a complete run of the same inputs is not run again.
 
     `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
     run in the folder `neighbour`, where that has settled. Raises InputError before anything
@@ -105,7 +105,7 @@ def run_case(
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
             shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
         solve(folder, np, _goal(copy, velocity, feed), on_step)
-        read_run(folder)  # whole, or not finished
+        read_run(folder)  # complete, or not finished
         seconds = time.monotonic() - start
         write_json(
             folder / FINISHED,
@@ -124,7 +124,9 @@ def _lock(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise ElutriaError(f"{folder}: another elutria is running here") from error
+            raise ElutriaError(
+                f"{folder}: locked by another elutria; wait for its end, or choose another --to"
+            ) from error
         yield
 
 
@@ -196,7 +198,7 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
     outcome = follow(folder, command, log, lambda step: on_step(goal.share(step), step))
     if outcome.interrupted:
         raise KeyboardInterrupt
-    if not outcome.whole:
+    if not outcome.complete:
         reason = outcome.reason or _reason(folder / log) or f"exit code {outcome.exit_code}"
         raise ElutriaError(f"{SOLVER} failed in {folder}: {reason}")
 

@@ -37,9 +37,9 @@ class Step:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a solver ended: `whole` when it said so itself; `reason` when it said why not."""
+    """How a solver ended: `complete` when it said so itself; `reason` when it said why not."""
 
-    whole: bool
+    complete: bool
     reason: str
     exit_code: int
     interrupted: bool
@@ -143,7 +143,7 @@ def follow(folder: Path, command: list[str], log: str, on_step: Callable[[Step],
             runner.run.wait()
     code = runner.run.returncode
     return Outcome(
-        whole=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,
+        complete=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,
         reason=runner.failed,
         exit_code=code,
         interrupted=bool(result.get("interrupted")),

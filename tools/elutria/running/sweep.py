@@ -53,7 +53,7 @@ class Member:
 
 @dataclass
 class SweepResult:
-    """Tables of the velocities that are whole, and the reasons of those that are not."""
+    """Tables of the velocities whose runs are complete, and the failures of the others."""
 
     tables: Classification = field(default_factory=Classification)
     failures: dict[str, str] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class Watcher(Protocol):
         """A run is at `share` (0..1)."""
 
     def finished(self, name: str, line: str) -> None:
-        """A run is whole or failed."""
+        """A run is complete or has failed."""
 
     def planned(self, runs: int) -> None:
         """There are so many runs in all."""
@@ -134,7 +134,7 @@ def run_sweep(
     watcher: Watcher,
     precision: Precision | None = None,
 ) -> SweepResult:
-    """Have the executor run what is not finished, and write the tables of what is whole."""
+    """Have the executor run what is not finished, and write the tables of what is complete."""
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     result = SweepResult()
@@ -230,11 +230,11 @@ class _Course:
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""
         fingerprint = self.case.fingerprint
-        whole = [m for m in members if is_finished(m.folder, fingerprint(m.settings, self.np))]
-        self.result.skipped += len(whole)
-        todo = [member for member in members if member not in whole]
+        complete = [m for m in members if is_finished(m.folder, fingerprint(m.settings, self.np))]
+        self.result.skipped += len(complete)
+        todo = [member for member in members if member not in complete]
         self.running |= {member.name for member in todo}
-        for velocity in dict.fromkeys(member.velocity for member in whole):
+        for velocity in dict.fromkeys(member.velocity for member in complete):
             todo += self._further(velocity)
         return todo
 
