@@ -16,9 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from elutria.case.case import Case
-from elutria.classification.events import Events, Run
+from elutria.classification.events import PLACES, Events, Run
 from elutria.errors import ElutriaError
 from elutria.files import read_json, read_text, write_json
 from elutria_validation.benchmarks.accuracy_runs import (
@@ -239,5 +240,6 @@ def _left(case: Path) -> Run:
         tables.append((product, np.array(rows).reshape(-1, 4)))
     products = np.concatenate([np.full(len(rows), product) for product, rows in tables])
     time, diameter, density, number = np.concatenate([rows for _, rows in tables]).T
-    material = np.full(products.size, "all")
-    return Run(Events(material, products, diameter, density, number, time), {})
+    material = pd.Categorical(np.full(products.size, "all"))
+    outlet = pd.Categorical(products, list(PLACES))
+    return Run(Events(material, outlet, diameter, density, number, time), {})

