@@ -84,7 +84,9 @@ def read_gas(case: Path, time: str, name: str = "U.air") -> Array:
 
 def cell_centres(case: Path) -> tuple[Array, dict[str, Array]]:
     """Centres of the cells (n, 3), and of the faces of each patch, m."""
-    run_program(["postProcess", "-func", "writeCellCentres", "-time", "0"], case)
+    # Debian 13's own cannot start a function object: solver/coupling/foam/sha1Stream.C
+    preload = ["env", "LD_PRELOAD=libelutriaCollision.so"]
+    run_program([*preload, "postProcess", "-func", "writeCellCentres", "-time", "0"], case)
     with FoamFile(case / "0/C") as centres:
         boundary: Any = centres["boundaryField"]
         patches = {
