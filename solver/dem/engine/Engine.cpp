@@ -16,16 +16,15 @@ struct Engine::Implementation
     Settings settings;
     ContactMaterials materials;
     Walls walls;
-    LawTable laws, wallLaws;
+    LawTables laws;
     SoftIntegrator soft;
     AdaptiveIntegrator adaptive;
     bool warnedOfSeparation = false;   // once is enough: a feed may do so in every step
 
     Implementation(Settings s, ContactMaterials m, Walls w)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        laws(*settings.law, materials), wallLaws(settings.lawAtWalls(), materials),
-        soft(settings, materials, walls),
-        adaptive(settings, materials, walls, soft,
+        laws(settings, materials), soft(settings, laws, walls),
+        adaptive(settings, materials, laws, walls, soft,
                [this](const Particles& p)
                { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
     {}
@@ -215,16 +214,12 @@ double Engine::Implementation::stepLimit(const Particles& particles, double spee
     }
     if (!(speed > 0)) speed = std::max(2*fastest, 0.1);
     double shortest = 1e300;
-    for (std::uint32_t a = 0; a < materials.size(); ++a)
+    laws.forEach([&](const LawTable& table, std::uint32_t a, std::uint32_t b)
     {
-        for (std::uint32_t b = 0; b <= a; ++b)
-        {
-            if (!(moving & (bit(a) | bit(b)))) continue;
-            for (const LawTable* table : {&laws, &wallLaws})
-                shortest = std::min(shortest, table->law().contactTime((*table)(a, b), radius/2,
-                                                                       mass/2, speed));
-        }
-    }
+        if (!(moving & (bit(a) | bit(b)))) return;
+        shortest = std::min(shortest,
+                            table.law().contactTime(table(a, b), radius/2, mass/2, speed));
+    });
     return settings.stepFraction*shortest;
 }
 
@@ -232,25 +227,21 @@ double Engine::expectedOverlap(double radius, double density, double speed) cons
 {
     const double mass = 0.5*density*4.0/3*laws::pi*radius*radius*radius;
     double deepest = 0;
-    for (std::uint32_t a = 0; a < self_->materials.size(); ++a)
+    self_->laws.forEach([&](const LawTable& table, std::uint32_t a, std::uint32_t b)
     {
-        for (std::uint32_t b = 0; b <= a; ++b)
-        {
-            for (const LawTable* table : {&self_->laws, &self_->wallLaws})
-                deepest = std::max(deepest, table->law().largestOverlap((*table)(a, b), radius/2,
-                                                                        mass, speed));
-        }
-    }
+        deepest = std::max(deepest,
+                           table.law().largestOverlap(table(a, b), radius/2, mass, speed));
+    });
     return deepest/radius;
 }
 
 double Engine::storedEnergy(double radius, double overlap) const
 {
     double most = 0;
-    for (const LawTable* table : {&self_->laws, &self_->wallLaws})
-        for (std::uint32_t a = 0; a < table->size(); ++a)
-            for (std::uint32_t b = 0; b <= a; ++b)
-                most = std::max(most, table->law().storedEnergy((*table)(a, b), radius, overlap));
+    self_->laws.forEach([&](const LawTable& table, std::uint32_t a, std::uint32_t b)
+    {
+        most = std::max(most, table.law().storedEnergy(table(a, b), radius, overlap));
+    });
     return most;
 }
 

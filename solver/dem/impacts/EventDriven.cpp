@@ -118,7 +118,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
         const FirstContact m = firstContact(fa, fb, d - shortest, sum, 0, end_ - from);
         if (m.time >= never) return;
         event.time = from + m.time;
-        event.handOver = m.lasting || !laws_.pairs(ta.material, tb.material).applies();
+        event.handOver = m.lasting || !laws_.pairs()(ta.material, tb.material).applies();
     }
     push(event);
 }
@@ -149,7 +149,7 @@ void EventDriven::predictWall(std::uint32_t a, double from)
         state.nextWall = image;
     }
     if (first.time >= never) return;
-    const bool suits = laws_.walls(t.material, walls_.material(state.nextWall.triangle)).applies();
+    const bool suits = laws_.walls()(t.material, walls_.material(state.nextWall.triangle)).applies();
     push({from + first.time, a, wall, state.version, 0, first.lasting || !suits});
 }
 
@@ -238,7 +238,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
         acceleration -= tb.flight.acceleration;
     }
     normal *= 1/norm(normal);
-    const ImpactLaw& law = (onWall ? laws_.walls : laws_.pairs)(ta.material, other);
+    const ImpactLaw& law = (onWall ? laws_.walls() : laws_.pairs())(ta.material, other);
     const double closing = -dot(bodyA.velocity - bodyB.velocity, normal);
     const double mass = 1/(bodyA.inverseMass + bodyB.inverseMass);
     const double radius = onWall ? ta.radius
@@ -283,7 +283,7 @@ void EventDriven::collideStochastically(const Event& event)
     const double factor = crossSectionFactor(ta, tb), chance = stream.next();
     const Vector3 passing = bodyA.velocity - bodyB.velocity;
     const bool hit = norm(passing) > 0
-        && collide(bodyA, bodyB, randomNormal(passing, stream), laws_.pairs(ta.material, tb.material));
+        && collide(bodyA, bodyB, randomNormal(passing, stream), laws_.pairs()(ta.material, tb.material));
     const bool hitsA = hit && chance*factor < tb.weight, hitsB = hit && chance*factor < ta.weight;
     const auto met = [this](std::uint32_t member, const ImpactBody& after)
     {

@@ -109,9 +109,8 @@ ImpactLaw::ImpactLaw(const LawTable& laws, const ContactMaterials& materials, st
 }
 
 
-ImpactTable::ImpactTable(const ContactLaw& law, const ContactMaterials& materials)
+ImpactTable::ImpactTable(const LawTable& laws, const ContactMaterials& materials)
 {
-    const LawTable laws(law, materials);
     for (std::uint32_t a = 0; a < materials.size(); ++a)
         for (std::uint32_t b = 0; b <= a; ++b) laws_.emplace_back(laws, materials, a, b);
 }

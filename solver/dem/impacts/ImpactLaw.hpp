@@ -2,10 +2,10 @@
 
 #include "core/Vector3.hpp"
 #include "laws/LawTable.hpp"
-#include "laws/Settings.hpp"
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace elutria::dem
@@ -80,7 +80,7 @@ private:
 class ImpactTable
 {
 public:
-    ImpactTable(const ContactLaw& law, const ContactMaterials& materials);
+    ImpactTable(const LawTable& laws, const ContactMaterials& materials);
 
     const ImpactLaw& operator()(std::uint32_t a, std::uint32_t b) const
     {
@@ -92,13 +92,21 @@ private:
 };
 
 /// Of particles with each other, and with walls.
-struct ImpactLaws
+class ImpactLaws
 {
-    ImpactTable pairs, walls;
+public:
+    ImpactLaws(const LawTables& laws, const ContactMaterials& materials)
+      : pairs_(laws.pairs, materials)
+    {
+        if (!laws.alike()) walls_.emplace(laws.walls, materials);
+    }
 
-    ImpactLaws(const Settings& settings, const ContactMaterials& materials)
-      : pairs(*settings.law, materials), walls(settings.lawAtWalls(), materials)
-    {}
+    const ImpactTable& pairs() const { return pairs_; }
+    const ImpactTable& walls() const { return walls_ ? *walls_ : pairs_; }
+
+private:
+    ImpactTable pairs_;
+    std::optional<ImpactTable> walls_;         // where their law is another one
 };
 
 /// A sphere as an impact sees it; a wall has inverseMass 0 and radius 0.

@@ -25,12 +25,12 @@ constexpr int separationRounds = 5;
 
 
 AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
-                                       const Walls& walls, SoftIntegrator& soft,
-                                       IslandStepper::StepLimit stepLimit)
+                                       const LawTables& laws, const Walls& walls,
+                                       SoftIntegrator& soft, IslandStepper::StepLimit stepLimit)
   : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit),
-    laws_(settings, materials), states_(settings), boundPairs_(settings),
+    impacts_(laws, materials), states_(settings), boundPairs_(settings),
     search_(settings, walls, boundPairs_),
-    steppers_(settings, materials, walls, laws_, stepLimit), pathCheck_(settings, boundPairs_)
+    steppers_(settings, laws, walls, impacts_, stepLimit), pathCheck_(settings, boundPairs_)
 {}
 
 

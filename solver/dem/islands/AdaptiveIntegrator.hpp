@@ -36,7 +36,7 @@ class AdaptiveIntegrator
 public:
     /// `soft` is the engine's own soft integrator; all references must outlive this object.
     AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
-                       const Walls& walls, SoftIntegrator& soft,
+                       const LawTables& laws, const Walls& walls, SoftIntegrator& soft,
                        IslandStepper::StepLimit stepLimit);
     AdaptiveIntegrator(const AdaptiveIntegrator&) = delete;
 
@@ -62,7 +62,7 @@ private:
     const Walls& walls_;
     SoftIntegrator& soft_;
     IslandStepper::StepLimit stepLimit_;
-    ImpactLaws laws_;
+    ImpactLaws impacts_;
 
     ParticleStates states_;
     SortedContacts contacts_;

@@ -26,11 +26,11 @@ Settings forIslands(Settings settings)
 } // namespace
 
 
-IslandStepper::IslandStepper(const Settings& settings, const ContactMaterials& materials,
-                             const Walls& walls, const ImpactLaws& laws, StepLimit stepLimit)
-  : settings_(forIslands(settings)), materials_(materials), walls_(walls),
+IslandStepper::IslandStepper(const Settings& settings, const LawTables& laws, const Walls& walls,
+                             const ImpactLaws& impacts, StepLimit stepLimit)
+  : settings_(forIslands(settings)), laws_(laws), walls_(walls),
     stepLimit_(std::move(stepLimit)),
-    events_(laws, walls, settings_.box, settings.treatment == ContactTreatment::impact)
+    events_(impacts, walls, settings_.box, settings.treatment == ContactTreatment::impact)
 {}
 
 
@@ -75,7 +75,7 @@ void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& 
 /// A new integrator each time: what it did before for other islands must not show in this one.
 void IslandStepper::startSoft(const std::vector<ContactRecord>& history)
 {
-    soft_.emplace(settings_, materials_, walls_);
+    soft_.emplace(settings_, laws_, walls_);
     soft_->importContacts(history);
 }
 
@@ -139,14 +139,14 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
 }
 
 
-IslandSteppers::IslandSteppers(const Settings& settings, const ContactMaterials& materials,
-                               const Walls& walls, const ImpactLaws& laws,
+IslandSteppers::IslandSteppers(const Settings& settings, const LawTables& laws,
+                               const Walls& walls, const ImpactLaws& impacts,
                                const IslandStepper::StepLimit& stepLimit)
   : threads_(settings.threads)
 {
     for (unsigned t = 0; t < threads_; ++t)
         steppers_.push_back(
-            std::make_unique<IslandStepper>(settings, materials, walls, laws, stepLimit));
+            std::make_unique<IslandStepper>(settings, laws, walls, impacts, stepLimit));
 }
 
 

@@ -36,8 +36,8 @@ class IslandStepper
 public:
     using StepLimit = std::function<double(const Particles&)>;
 
-    IslandStepper(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-                  const ImpactLaws& laws, StepLimit stepLimit);
+    IslandStepper(const Settings& settings, const LawTables& laws, const Walls& walls,
+                  const ImpactLaws& impacts, StepLimit stepLimit);
     IslandStepper(const IslandStepper&) = delete;
 
     void run(const Piece& piece, const Island& island, IslandResult& result);
@@ -48,7 +48,7 @@ private:
     void gather(const std::vector<ParticleState>& members);
 
     Settings settings_;
-    const ContactMaterials& materials_;
+    const LawTables& laws_;
     const Walls& walls_;
     StepLimit stepLimit_;
     EventDriven events_;
@@ -60,8 +60,8 @@ private:
 class IslandSteppers
 {
 public:
-    IslandSteppers(const Settings& settings, const ContactMaterials& materials, const Walls& walls,
-                   const ImpactLaws& laws, const IslandStepper::StepLimit& stepLimit);
+    IslandSteppers(const Settings& settings, const LawTables& laws, const Walls& walls,
+                   const ImpactLaws& impacts, const IslandStepper::StepLimit& stepLimit);
 
     /// Steps the islands listed in `which`; results[k] is that of island k.
     void run(const Piece& piece, const std::vector<Island>& islands,

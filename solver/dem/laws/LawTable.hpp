@@ -1,6 +1,7 @@
 #pragma once
 
 #include "laws/ContactLaw.hpp"
+#include "laws/Settings.hpp"
 
 #include <vector>
 
@@ -28,6 +29,34 @@ private:
     std::size_t size_;
     std::vector<laws::Coefficients> table_;
     bool rolls_ = false;
+};
+
+/// The coefficients of particles with each other, and with walls.
+struct LawTables
+{
+    LawTable pairs, walls;
+
+    LawTables(const Settings& settings, const ContactMaterials& materials)
+      : pairs(*settings.law, materials), walls(settings.lawAtWalls(), materials)
+    {}
+
+    bool alike() const { return &pairs.law() == &walls.law(); }
+
+    /// Calls visit(table, a, b) for every pair of materials, under each law once.
+    template<class Visit>
+    void forEach(const Visit& visit) const
+    {
+        forEach(pairs, visit);
+        if (!alike()) forEach(walls, visit);
+    }
+
+private:
+    template<class Visit>
+    static void forEach(const LawTable& table, const Visit& visit)
+    {
+        for (std::uint32_t a = 0; a < table.size(); ++a)
+            for (std::uint32_t b = 0; b <= a; ++b) visit(table, a, b);
+    }
 };
 
 } // namespace elutria::dem

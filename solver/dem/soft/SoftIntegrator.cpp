@@ -21,10 +21,9 @@ bool before(const ContactRecord& a, const ContactRecord& b)
 
 } // namespace
 
-SoftIntegrator::SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
-                               const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(*settings.law, materials),
-    wallLaws_(settings.lawAtWalls(), materials), contacts_(laws_), atWalls_(wallLaws_, walls)
+SoftIntegrator::SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls)
+  : settings_(settings), walls_(walls), laws_(laws), contacts_(laws.pairs),
+    atWalls_(laws.walls, walls)
 {
     cloud_.box = settings.box;
 }
@@ -139,7 +138,7 @@ void SoftIntegrator::evaluate(StepWeights weights)
     forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
     {
         contacts_.evaluate(c, cloud_, weights);
-        if (laws_.rolls()) contacts_.addRolling(c, cloud_, weights);
+        if (laws_.pairs.rolls()) contacts_.addRolling(c, cloud_, weights);
     });
 }
 

@@ -31,8 +31,8 @@ namespace elutria::dem
 class SoftIntegrator
 {
 public:
-    SoftIntegrator(const Settings& settings, const ContactMaterials& materials,
-                   const Walls& walls);
+    /// All references must outlive this object.
+    SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls);
     SoftIntegrator(const SoftIntegrator&) = delete;
 
     void run(Particles& particles, double duration, std::size_t subSteps, StepReport& report);
@@ -76,7 +76,7 @@ private:
 
     const Settings& settings_;
     const Walls& walls_;
-    LawTable laws_, wallLaws_;
+    const LawTables& laws_;
     SoftCloud cloud_;
     PairList list_;
     PairContacts contacts_;

@@ -234,8 +234,9 @@ TEST_CASE("island stepper: equal elastic spheres exchange their velocities at th
 {
     Stages stages;
     const ContactMaterials materials = elasticGrain();
-    const ImpactLaws laws(stages.settings, materials);
-    IslandStepper stepper(stages.settings, materials, stages.walls, laws,
+    const LawTables laws(stages.settings, materials);
+    const ImpactLaws impacts(laws, materials);
+    IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
                           [](const Particles&) { return 1e-6; });
     const std::vector<ParticleState> start{sphere(1, {}, {1, 0, 0}), sphere(2, {0.9, 0, 0}, {}),
                                            sphere(3, {12e-3, 0, 0}, {-1, 0, 0})};
@@ -255,8 +256,9 @@ TEST_CASE("island stepper: spheres that touch from before take the soft law and 
     Stages stages;
     stages.settings.law = &contactLaw<LinearSpringDashpot>;
     const ContactMaterials materials = elasticGrain();
-    const ImpactLaws laws(stages.settings, materials);
-    IslandStepper stepper(stages.settings, materials, stages.walls, laws,
+    const LawTables laws(stages.settings, materials);
+    const ImpactLaws impacts(laws, materials);
+    IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
                           [](const Particles&) { return 2e-6; });
     stages.history = SortedContacts({{1, 2, false, {}}});
     const double overlap = 1e-5;
@@ -275,8 +277,9 @@ TEST_CASE("path check: who is hit by a path that an impact has changed, and nobo
 {
     Stages stages;
     const ContactMaterials materials = elasticGrain();
-    const ImpactLaws laws(stages.settings, materials);
-    IslandStepper stepper(stages.settings, materials, stages.walls, laws,
+    const LawTables laws(stages.settings, materials);
+    const ImpactLaws impacts(laws, materials);
+    IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
                           [](const Particles&) { return 1e-6; });
     const std::vector<ParticleState> start{
         sphere(1, {}, {1, 0, 0}), sphere(2, {5e-3, 0, 0}, {}),    // 2 is thrown along x
