@@ -7,21 +7,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
+from math import nan
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
 from elutria.errors import InputError
-from elutria.output.plots import MATERIAL_COLOURS, new_figure
+from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
 from elutria_validation.benchmarks import coverage_draws as draws
 from elutria_validation.benchmarks.coverage_draws import EVENTS, PLACES, SHAPES, Row
-from elutria_validation.harness.common import Options, write_result
+from elutria_validation.harness.job import Job, option
+from elutria_validation.harness.provenance import write_result
 
 NAME = "coverage"
-HELP = (
-    "share of synthetic curves that bands and intervals cover; options: jobs (processes), draws "
-    "(curves of a shape), events (comma-separated)"
-)
+HELP = "how often bands and intervals of partition curves hold the truth, on synthetic curves"
 COLUMNS = (
     "shape", "events", "draws", "band", "worst", "worst_at", "ends", "d25", "d50", "d75",
     "sharpness", "width", "width_over_ideal", "d50_width", "wide_bands", "seconds",
@@ -29,28 +30,33 @@ COLUMNS = (
 """band: share of the sizes at T = PLACES whose limits hold the curve, over all draws; worst: at the
 size where it is lowest; ends: where T is below 0.02 or above 0.98; width: of the band at PLACES;
 wide_bands: share of draws with a band wider than 0.8 somewhere."""
-SAID = 0.95
 
 
-def run(options: Options) -> None:
-    """Draw, fit, count; csv, figure, json."""
-    known = {"jobs", "draws", "events"}
-    unknown = sorted(set(options.extra) - known)
-    if unknown:
-        raise InputError(f"--option {unknown[0]}; allowed: {', '.join(sorted(known))}")
-    events = _whole(options, "events", "300,3000" if options.quick else ",".join(map(str, EVENTS)))
-    number = _whole(options, "draws", "20" if options.quick else "1000")[0]
-    jobs = _whole(options, "jobs", str(len(os.sched_getaffinity(0))))[0]
-    folder = options.folder / "draws"
-    draws.run(folder, SHAPES, events, range(number), jobs, options.say)
+@dataclass(frozen=True)
+class Options:
+    """Its own."""
+
+    draws: int = option(1000, quick=20, least=1, unit="curves of a shape")
+    events: str = option(",".join(map(str, EVENTS)), quick="300,3000", unit="with commas between")
+    jobs: int = option(len(os.sched_getaffinity(0)), least=1, unit="processes")
+
+
+def run(job: Job, options: Options) -> None:
+    """Draw what FOLDER/draws does not have, fit, count; writes coverage.csv, .png and .json."""
+    words = options.events.split(",")
+    if not all(word.isdecimal() and int(word) >= 10 for word in words):
+        raise InputError(f"--option events={options.events}; allowed: whole numbers >= 10")
+    events, folder = [int(word) for word in words], job.folder / "draws"
+    draws.run(folder, SHAPES, events, range(options.draws), options.jobs, job.say)
     rows = [
-        table_row(shape, count, draws.read(folder, shape, count)[:number])
+        table_row(shape, count, draws.read(folder, shape, count)[: options.draws])
         for count in events
         for shape in SHAPES
     ]
     for row in rows:
-        options.say(line(row))
-    write_result(options, NAME, COLUMNS, rows, figure(rows))
+        job.say(line(row))
+    with mpl.rc_context(STYLE):
+        write_result(job, NAME, COLUMNS, rows, figure(rows))
 
 
 def table_row(shape: str, events: int, found: Sequence[Row]) -> Row:
@@ -62,7 +68,7 @@ def table_row(shape: str, events: int, found: Sequence[Row]) -> Row:
 
     def mean(name: str) -> float:
         values = column(name)
-        return float(values.mean()) if values.size else float("nan")
+        return float(values.mean()) if values.size else nan
 
     places = [column(f"at_{share:g}") for share in PLACES]
     # a place that few curves have says little about the worst
@@ -119,11 +125,3 @@ def figure(rows: Sequence[Row]) -> Figure:
     panels[2].set_xlabel("events")
     panels[0].legend(ncols=3, loc="lower right")
     return made
-
-
-def _whole(options: Options, key: str, default: str) -> list[int]:
-    text = options.extra.get(key, default)
-    words = text.split(",")
-    if not all(word.isdecimal() and int(word) > 0 for word in words):
-        raise InputError(f"--option {key}={text}; allowed: whole numbers above 0")
-    return [int(word) for word in words]
