@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elutria_validation.fits import misfit_prior, onset_weight, own_wake
+from elutria_validation.fits import onset_weight, own_wake
 from elutria_validation.fits.__main__ import all_fits
 from elutria_validation.fits.constants import Fit, lines
 
@@ -21,7 +21,7 @@ def test_constants_stand_in_the_source_and_hold_on_other_data(fits: list[Fit]) -
 
 
 def test_those_that_are_found_again(fits: list[Fit]) -> None:
-    viscous, inertial, onset, prior = (
+    viscous, inertial, onset = (
         {one.name: (float(one.text.split()[-1]), one.fitted) for one in fit.constants}
         for fit in fits
     )
@@ -29,7 +29,7 @@ def test_those_that_are_found_again(fits: list[Fit]) -> None:
         assert fitted == pytest.approx(used, rel=1e-5)
     for found, tolerance in (
         (viscous["cell alone"], 0.01), (inertial["cell alone"], 0.1),
-        (inertial["kernel over cell"], 0.1), *((one, 0.1) for one in prior.values()),
+        (inertial["kernel over cell"], 0.1),
     ):  # fmt: skip
         assert found[1] == pytest.approx(found[0], rel=tolerance)
 
@@ -39,8 +39,6 @@ def test_a_wrong_constant_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = onset_weight.fit()
     assert not wrong.passes
     assert wrong.missing() == ["theta^0, size"]
-    monkeypatch.setattr(misfit_prior, "PRIOR", 0.05)
-    assert not misfit_prior.fit().passes
 
 
 def test_the_grains_of_the_fit_are_none_of_the_chapter() -> None:

@@ -200,12 +200,12 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
 
 
 def _show(tables: Classification) -> None:
-    from elutria.output.report import inside_notes, print_table, summary_table
+    from elutria.output.report import absent_notes, inside_notes, print_table, summary_table
 
     if tables.summary:
         table = summary_table(tables.summary)
         print_table(console, table, keys=2 if table.columns[1].header == "material" else 1)
-    for line in inside_notes(tables.partition):
+    for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 

@@ -19,8 +19,8 @@ PARTITION = (
 )  # fmt: skip
 FIT = (
     "gas_velocity_m_s", "material", "rank", "model", "d50_without_bypass_m", "shape", "bypass",
-    "log_likelihood", "aic", "events", "d25_low_m", "d25_high_m", "d50_low_m", "d50_high_m",
-    "d75_low_m", "d75_high_m",
+    "log_likelihood", "aic", "p_value", "events", "d25_low_m", "d25_high_m", "d50_low_m",
+    "d50_high_m", "d75_low_m", "d75_high_m", "sharpness_low", "sharpness_high",
 )  # fmt: skip
 CURVE = (
     "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",

@@ -15,6 +15,7 @@ from elutria.classification.fit import (
     LEVELS,
     CurveFit,
     PartitionFit,
+    design_effect,
     fit_partition,
     relative_weights,
 )
@@ -114,7 +115,7 @@ def coverage(model: Model, log_shape: float, bypass: float, number: int, sets: i
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 120) - 0.95) < 0.05)
+    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 40) - 0.95) < 0.08)
 
 
 @pytest.mark.slow
@@ -126,8 +127,8 @@ def test_intervals_cover_for_all_models(
     model: Model, bypass: float, log_shape: float, number: int
 ) -> None:
     """Or oftener: that the curve is a formula's is not taken for granted."""
-    covered = coverage(model, log_shape, bypass, number, 200)
-    assert np.all(covered >= 0.90), covered
+    covered = coverage(model, log_shape, bypass, number, 100)
+    assert np.all(covered >= 0.88), covered
 
 
 def bent(y: Array) -> Array:
@@ -144,7 +145,7 @@ def draw_bent(number: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
 @pytest.mark.parametrize("number", [1_000, 5_000, 20_000])
 def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int) -> None:
     """With many events the likeliest formula's d50 is one of two that lie 0.4 % apart."""
-    sets = 25
+    sets = 12
     fits = [fit_partition(*draw_bent(number, seed)) for seed in range(sets)]
     at = CUT * np.exp(np.array([-0.03, -0.01, 0, 0.01, 0.03]))
     truth = {0.25: -log(3) / 55, 0.5: 0.0, 0.75: (log(3) + 0.825) / 110}
@@ -152,7 +153,7 @@ def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int)
         off = np.array([np.log(fit.sizes[level][0] / CUT) - y for fit in fits])
         width = np.log([fit.sizes[level][2] / fit.sizes[level][1] for fit in fits]).mean()
         assert abs(off.mean()) < 0.25 * width
-        assert np.mean([a <= CUT * np.exp(y) <= b for _, a, b in map(_at(level), fits)]) > 0.85
+        assert np.mean([a <= CUT * np.exp(y) <= b for _, a, b in map(_at(level), fits)]) > 0.8
     bands = [fit.band(at) for fit in fits]
     held = [(low <= expit(bent(np.log(at / CUT)))) & (high >= expit(bent(np.log(at / CUT))))
             for _, low, high in bands]  # fmt: skip
@@ -172,34 +173,23 @@ def _at(level: float) -> Callable[[PartitionFit], tuple[float, float, float]]:
     return lambda fit: fit.sizes[level]
 
 
-def test_few_events_keep_the_formula_and_many_do_not() -> None:
-    def moved(number: int) -> float:
-        fits = [fit_partition(*draw_bent(number, seed), intervals=False) for seed in range(12)]
-        formulas = [fit.best.diameter_at(0.5) if fit.best else np.nan for fit in fits]
-        return float(np.std(np.log([fit.d50 for fit in fits]) - np.log(formulas)))
-
-    assert moved(200) < 0.002 * 0.5
-    assert moved(20_000) > 0.001
-
-
-def test_a_formula_that_made_the_events_has_no_misfit() -> None:
-    fit = fit_partition(*draw(MODELS[0], 4.0, 0.0, 20_000, 1), intervals=False)
-    assert fit.best is not None
-    assert fit.d50 == pytest.approx(fit.best.diameter_at(0.5), rel=0.002)
-    at = np.geomspace(0.8, 1.25, 40) * CUT
-    assert fit.share(at) == pytest.approx(fit.best.share(at), abs=0.04)
-    assert np.all(np.diff(fit.share(at)) > 0)
+def test_a_formula_that_made_the_events_is_not_rejected_and_another_is() -> None:
+    made = [fit_partition(*draw(MODELS[0], 2.0, 0.0, 3_000, k), intervals=False) for k in range(12)]
+    own = [next(f.p_value for f in fit.ranked if f.name == "log-logistic") for fit in made]
+    assert np.mean(np.array(own) < 0.1) < 0.3
+    bent = fit_partition(*draw_bent(20_000, 1), intervals=False)
+    assert next(f.p_value for f in bent.ranked if f.name == "log-logistic") < 1e-3
 
 
 def test_bands_cover_the_curve_as_often_as_they_say() -> None:
     sizes = np.array([450e-6, 600e-6, 700e-6, 850e-6, 1200e-6])
     truth = 0.05 + 0.95 * MODELS[0].share(sizes / CUT, 1.8)
     hits = np.zeros(sizes.size)
-    for seed in range(120):
+    for seed in range(40):
         fit = fit_partition(*draw(MODELS[0], 1.8, 0.05, 600, seed), intervals=False)
         _, low, high = fit.band(sizes)
         hits += (low <= truth) & (truth <= high)
-    assert np.all((hits / 120 >= 0.90) & (hits / 120 <= 0.99)), hits / 120
+    assert np.all(hits / 40 >= 0.85), hits / 40
 
 
 def test_more_events_know_more() -> None:
@@ -225,16 +215,18 @@ def test_a_perfect_cut_is_a_step_in_the_gap() -> None:
     diameter = np.linspace(1e-4, 5e-4, 41)
     fit = fit_partition(diameter, diameter > 3.05e-4)
     middle, low, high = fit.sizes[0.5]
-    assert middle == pytest.approx(np.sqrt(3.0e-4 * 3.1e-4))
-    assert fit.sharpness == 1
+    assert 3.0e-4 < middle < 3.1e-4
+    assert fit.best is not None and fit.best.name == "step"
+    assert fit.sharpness > 0.95
+    assert fit.sharpness_interval[1] < 0.95
     # a neighbour may have gone the wrong way by chance, the tenth has not
     assert 2.0e-4 < low < 3.0e-4 < 3.1e-4 < high < 4.1e-4
     at = np.geomspace(1e-4, 5e-4, 60)
     share, below, above = fit.band(at)
-    assert share.tolist() == (at > middle).tolist()
     assert np.all((below <= share) & (share <= above))
-    assert np.all(np.diff(below) >= 0) and np.all(np.diff(above) >= 0)
-    assert above[0] == 0 and below[-1] == 1
+    assert share[at < 2.9e-4].max() < 0.1 and share[at > 3.2e-4].min() > 0.9
+    # 20 of 20 went the right way
+    assert above[0] < 0.2 and below[-1] > 0.8
 
 
 @pytest.mark.parametrize(
@@ -244,13 +236,13 @@ def test_a_perfect_cut_is_a_step_in_the_gap() -> None:
 def test_intervals_of_cuts_that_look_perfect_cover_the_truth(number: int, cut: float) -> None:
     """Where chance parts the products completely, the curve need not be a step."""
     hits = steps = 0
-    for seed in range(80):
+    for seed in range(40):
         fit = fit_partition(*draw(MODELS[0], float(np.log(cut)), 0.0, number, seed))
-        steps += fit.sharpness == 1
+        steps += fit.best is not None and fit.best.name == "step"
         _, low, high = fit.sizes[0.5]
         hits += low <= CUT <= high
-    assert steps > 5
-    assert 0.90 <= hits / 80 <= 0.995
+    assert steps > 3
+    assert hits / 40 >= 0.85
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -283,7 +275,7 @@ def test_the_unit_of_weights_does_not_matter() -> None:
 def test_stratified_events_give_the_same_curve() -> None:
     """Coarse sizes drawn ten times as often, with a tenth of the weight: same truth, good cover."""
     hits = 0
-    for seed in range(40):
+    for seed in range(20):
         random = np.random.default_rng(seed)
         diameter = np.exp(random.normal(np.log(CUT), 0.4, 3_000))
         keep = random.random(3_000) < np.where(diameter > CUT, 1.0, 0.1)
@@ -292,7 +284,7 @@ def test_stratified_events_give_the_same_curve() -> None:
         fit = fit_partition(diameter, coarse, np.where(diameter > CUT, 1.0, 10.0))
         _, low, high = fit.sizes[0.5]
         hits += low <= CUT <= high
-    assert hits >= 35
+    assert hits >= 17
 
 
 def test_unequal_weights_at_one_size_lower_the_effective_number() -> None:
@@ -311,3 +303,92 @@ def test_the_band_of_a_sharp_cut_is_narrow_away_from_it(seed: int) -> None:
     share, low, high = fit_partition(diameter, coarse).band(np.array([0.6, 0.8, 1.25, 2]) * CUT)
     assert share == pytest.approx([0, 0, 1, 1], abs=1e-3)
     assert (high - low).max() < 0.05
+
+
+def two_step(y: Array) -> Array:
+    """Half of the mass cuts 12 % higher, half 12 % lower."""
+    return np.asarray((expit(50 * (y - 0.12)) + expit(50 * (y + 0.12))) / 2)
+
+
+def steep(y: Array) -> Array:
+    return MODELS[1].share(np.exp(y), log(40))
+
+
+def fish_hook(y: Array) -> Array:
+    """A quarter of the finest goes to coarse, less of the larger ones, until the cut."""
+    return np.asarray(1 - (1 - expit(20 * y)) * (1 - 0.25 * expit(-(y + 0.35) / 0.08)))
+
+
+Shape = Callable[[Array], Array]
+SIZES = np.linspace(-0.65, 0.65, 131)
+
+
+def fits_of(shape: Shape, number: int, sets: int) -> list[PartitionFit]:
+    """Fits of events log-uniform over half to twice the cut, a third of them with weights."""
+    fits = []
+    for seed in range(sets):
+        random = np.random.default_rng(seed)
+        y = random.uniform(-log(2), log(2), number)
+        coarse = random.random(number) < shape(y)
+        weight = np.exp(random.normal(0, 0.4, number)) if seed % 3 == 0 else np.ones(number)
+        fits.append(fit_partition(CUT * np.exp(y), coarse, weight))
+    return fits
+
+
+@pytest.mark.parametrize("shape", [two_step, steep, fish_hook])
+def test_bands_cover_curves_that_no_formula_describes(shape: Shape) -> None:
+    """As often as they say, along the curve; of 20 draws, where half of each is correlated."""
+    fits = fits_of(shape, 1_000, 20)
+    truth = shape(SIZES)
+    bands = [fit.band(CUT * np.exp(SIZES)) for fit in fits]
+    held = np.array([(low <= truth) & (truth <= high) for _, low, high in bands])
+    rising = (truth > 0.02) & (truth < 0.98)
+    assert held[:, rising].mean() > 0.88
+    assert held.mean(axis=0).min() >= 0.6
+    cut = CUT * np.exp(SIZES[np.flatnonzero(truth < 0.5)[-1]] + 0.005)
+    assert sum(low <= cut * 1.006 and cut / 1.006 <= high
+               for _, low, high in map(_at(0.5), fits)) >= 17  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", [two_step, steep])
+def test_the_band_of_saturated_shares_is_narrow(shape: Shape) -> None:
+    """Where all go one way, the band holds that and what so many events leave open."""
+    saturated = CUT * np.exp(SIZES[np.minimum(shape(SIZES), 1 - shape(SIZES)) < 1e-3])
+    for fit in fits_of(shape, 3_000, 8):
+        share, low, high = fit.band(saturated)
+        assert (high - low).max() < 0.1
+        assert np.minimum(share, 1 - share).max() < 0.02
+        whole = fit.band(CUT * np.exp(SIZES))
+        assert (whole[2] - whole[1]).max() < 0.8
+
+
+def test_sharpness_has_an_interval_that_covers() -> None:
+    true = float(np.exp(-2 * log(3) / 20))
+    fits = [fit_partition(*draw(MODELS[0], log(20), 0.0, 600, seed)) for seed in range(20)]
+    assert sum(low <= true <= high for _, low, high in (f.sharpness_interval for f in fits)) >= 17
+    assert all(fit.sharpness_interval[0] == pytest.approx(fit.sharpness) for fit in fits)
+
+
+def test_parcels_that_enter_together_and_fare_alike_widen_the_intervals() -> None:
+    """In each of 60 gusts the cut is another: as if there were few events."""
+    random = np.random.default_rng(7)
+    gust = np.repeat(np.arange(60), 50)
+    y = random.uniform(-0.7, 0.7, gust.size)
+    cut = random.normal(0, 0.15, 60)[gust]
+    coarse = random.random(gust.size) < expit(15 * (y - cut))
+    order = random.permutation(gust.size)
+    blocks, mixed = (
+        fit_partition(CUT * np.exp(y), coarse, time=time.astype(float)) for time in (gust, order)
+    )
+
+    def width(fit: PartitionFit) -> float:
+        return float(np.log(fit.sizes[0.5][2] / fit.sizes[0.5][1]))
+
+    assert width(blocks) > 1.5 * width(mixed)
+    assert blocks.d50 == pytest.approx(mixed.d50, rel=0.02)
+
+
+def test_independent_events_have_a_design_effect_near_1() -> None:
+    random = np.random.default_rng(3)
+    effects = [design_effect(random.normal(size=2_000), np.arange(2_000.0)) for _ in range(200)]
+    assert 1 <= np.mean(effects) < 1.05

@@ -18,7 +18,7 @@ from elutria.classification.curves import MODELS
 from elutria.classification.events import Account, Events, Run
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
-from elutria.output.report import inside_notes
+from elutria.output.report import absent_notes, inside_notes
 
 MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
 
@@ -136,3 +136,15 @@ def test_what_did_not_leave_is_said() -> None:
     assert "um" in line
     # half of ln(520/480)
     assert float(line.split("shift by up to ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)
+
+
+def test_a_size_that_the_curve_does_not_reach_is_said() -> None:
+    run = synthetic(5.0, ["quartz"])
+    tables = classify(run, 5.0, 1.0)
+    assert absent_notes(tables.summary, tables.curves) == []
+    run.events.outlet[::2] = "coarse"  # a bypass of a half
+    tables = classify(run, 5.0, 1.0)
+    assert np.isnan(tables.summary[0]["d25_m"])
+    (line,) = absent_notes(tables.summary, tables.curves)
+    assert line.startswith("5 m/s, quartz: no d25")
+    assert float(line.split("left: ")[1].split(" %")[0]) == pytest.approx(50, abs=10)

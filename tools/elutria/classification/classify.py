@@ -67,7 +67,8 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
 def fit_events(events: Events) -> PartitionFit:
     """The partition curve of what has left; at equal size a parcel weighs number x density."""
     left = events.select(events.has_left)
-    return fit_partition(left.diameter, left.is_coarse, left.number * left.density)
+    weight = left.number * left.density
+    return fit_partition(left.diameter, left.is_coarse, weight, left.time)
 
 
 def _summary(run: Run, name: str, events: Events, fit: PartitionFit, wall_time: float) -> Row:
@@ -113,11 +114,19 @@ def _partition(entry: SizeClass) -> Row:
 
 
 def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:
-    """A row per model; only the best one has intervals."""
-    rows = []
-    for rank, curve in enumerate(fit.ranked, start=1):
-        sizes = fit.sizes if rank == 1 else dict.fromkeys(LEVELS, (nan, nan, nan))
-        row: Row = {
+    """The curve without a formula (rank 0) with its intervals, then a row per formula."""
+    if fit.curve is None:
+        return []
+    number = int(np.sum(events.has_left))
+    unknown = dict.fromkeys(tables.FIT[2:], nan)
+    limits = {f"d{100 * level:.0f}": fit.sizes[level][1:] for level in LEVELS}
+    first: Row = {**unknown, "rank": 0, "model": "no formula", "events": number}
+    for name, (low, high) in limits.items():
+        first |= {f"{name}_low_m": low, f"{name}_high_m": high}
+    first["sharpness_low"], first["sharpness_high"] = fit.sharpness_interval[1:]
+    return [first] + [
+        {
+            **unknown,
             "rank": rank,
             "model": curve.name,
             "d50_without_bypass_m": exp(curve.log_diameter),
@@ -125,18 +134,16 @@ def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:
             "bypass": curve.bypass,
             "log_likelihood": curve.log_likelihood,
             "aic": curve.aic,
-            "events": int(np.sum(events.has_left)),
+            "p_value": curve.p_value,
+            "events": number,
         }
-        for level, (_, low, high) in sizes.items():
-            row[f"d{level * 100:.0f}_low_m"] = low
-            row[f"d{level * 100:.0f}_high_m"] = high
-        rows.append(row)
-    return rows
+        for rank, curve in enumerate(fit.ranked, start=1)
+    ]
 
 
 def _curve_rows(fit: PartitionFit, events: Events) -> list[Row]:
-    """The fitted curve with its 95 % band, over the sizes that left."""
-    if not fit.ranked:
+    """The curve with its 95 % band, over the sizes that left."""
+    if fit.curve is None:
         return []
     left = events.diameter[events.has_left]
     diameter = np.geomspace(left.min(), left.max(), 241)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import warnings
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +41,8 @@ class Events:
     """Parcels as columns of one length (n,), SI units; 34 bytes a parcel.
 
     `material` and `outlet` are categories, given as such or as an array of names. `outlet` is
-    ``fines``, ``coarse`` or ``inside``; `number` is how many particles a parcel stands for.
+    ``fines``, ``coarse`` or ``inside``; `number` is how many particles a parcel stands for; `time`
+    is when it entered, of joined runs one after the other.
     """
 
     material: pd.Categorical
@@ -117,6 +118,7 @@ class Run:
 def join(runs: list[Run]) -> Run:
     """Replicates of one velocity, taken together."""
     parts = {name: [getattr(run.events, name) for run in runs] for name in vars(runs[0].events)}
+    parts["time"] = _one_after_the_other(parts["time"])
     events = Events(**{name: _concatenate(columns) for name, columns in parts.items()})
     names = [name for name in runs[0].accounts if all(name in run.accounts for run in runs)]
     return Run(events, {name: _sum([run.accounts[name] for run in runs]) for name in names})
@@ -127,6 +129,15 @@ def _concatenate(columns: list[Any]) -> Any:
     if isinstance(columns[0], pd.Categorical):
         return union_categoricals(columns)
     return np.concatenate(columns)
+
+
+def _one_after_the_other(times: list[Array]) -> list[Array]:
+    """Times of runs, each beginning where the one before ended."""
+    moved, end = [], 0.0
+    for time in times:
+        moved.append(time - time.min(initial=inf) + end if time.size else time)
+        end = moved[-1].max(initial=end)
+    return moved
 
 
 def _sum(accounts: list[Account]) -> Account:
@@ -162,7 +173,7 @@ def read_run(case: Path) -> Run:
         diameter=rows["diameter_m"],
         density=rows["density_kg_m3"],
         number=rows["n_particle"],
-        time=rows["time_s"],
+        time=rows["time_s"] - rows["residence_time_s"],
     )
     accounts = _read_accounts(ledger, ledger_file)
     _compare(events, accounts["all"], _section(ledger, "total", ledger_file), folder)
@@ -181,7 +192,8 @@ def _outlet_files(folder: Path) -> list[Path]:
 
 def _read_all(files: list[Path]) -> dict[str, Any]:
     """The columns that are used, of all files together, by name."""
-    used = ("material", "outlet", "diameter_m", "density_kg_m3", "n_particle", "time_s", "id")
+    used = ("material", "outlet", "diameter_m", "density_kg_m3", "n_particle", "time_s", "id",
+            "residence_time_s")  # fmt: skip
     empty = pd.DataFrame({name: pd.Series(dtype=_TYPES[name]) for name in tables.EVENTS})
     frames = [_read_rows(path) for path in files] or [empty]
     return {name: _concatenate([frame[name].values for frame in frames]) for name in used}

@@ -1,4 +1,4 @@
-"""Likelihood of partition events under a curve, and the parameters that make it largest."""
+"""Likelihood of partition events under a formula, and its maximum."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from math import log1p
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
 from elutria.classification.curves import Model
@@ -15,109 +16,62 @@ Flags = NDArray[np.bool_]
 
 MAX_BYPASS = 0.6
 """Beyond it more than half of the finest go to coarse, and there is no cut."""
+GROUPS = 2_000
 
 
 class Likelihood:
-    """ln L of events, its gradient and Fisher information, against p = (ln d, ln s, bypass).
+    """ln L of events and its gradient against p = (ln d, ln s, bypass), ln d that of the cut
+    without bypass.
 
-    ln d is that of the cut without bypass, or of a `level` of the whole curve.
+    `weight` adds up to the effective number of events. Beyond twice GROUPS, neighbours in size are
+    taken together, at their mean ln d.
     """
 
     def __init__(self, log_diameter: Array, coarse: Flags, weight: Array):
+        heavy = np.where(coarse, weight, 0.0)
+        if log_diameter.size > 2 * GROUPS:
+            order = np.argsort(log_diameter)
+            first = np.linspace(0, order.size, GROUPS, endpoint=False).astype(int)
+            place = np.add.reduceat((weight * log_diameter)[order], first)
+            weight, heavy = (np.add.reduceat(v[order], first) for v in (weight, heavy))
+            log_diameter = place / weight
         self.log_diameter = log_diameter
-        self.coarse = coarse
+        self.coarse = heavy
         self.weight = weight
 
-    def value(self, model: Model, p: Array, level: float | None = None) -> float:
-        """ln L."""
-        logit = model.logit(self.log_diameter - _center(model, p, level)[0], p[1])[0]
-        return float(self.weight @ self._log_chance(logit, p[2]))
+    def value(self, model: Model, p: Array) -> tuple[float, Array]:
+        """ln L and its gradient (3)."""
+        inner, along, shape = model.logit(self.log_diameter - p[0], p[1])
+        bypass = p[2]
+        rising = expit(inner)
+        share = np.maximum(bypass + (1 - bypass) * rising, 1e-300)
+        log_coarse = log_expit(inner) if bypass == 0 else np.log(share)
+        log_fines = log_expit(-inner) + log1p(-bypass)
+        value = self.coarse @ log_coarse + (self.weight - self.coarse) @ log_fines
+        # d ln L by T over the slopes of T's logit: 1 - T = (1 - bypass)(1 - rising)
+        pull = self.coarse - self.weight * share
+        steep = pull * rising / share
+        by_bypass = pull / (np.maximum(share, 1e-12) * (1 - bypass))
+        return float(value), np.array([-steep @ along, steep @ shape, by_bypass.sum()])
 
-    def _log_chance(self, logit: Array, bypass: float) -> Array:
-        if bypass == 0:
-            return np.asarray(log_expit(np.where(self.coarse, logit, -logit)))
-        log_coarse = np.log(bypass + (1 - bypass) * expit(logit))
-        return np.asarray(np.where(self.coarse, log_coarse, log_expit(-logit) + log1p(-bypass)))
+    def maximize(self, model: Model, start: Array, with_bypass: bool) -> tuple[Array, float]:
+        """The likeliest p and its ln L; without bypass p[2] stays 0."""
+        free = 3 if with_bypass else 2
+        ends = self.log_diameter.min(), self.log_diameter.max()
+        bounds = [(ends[0] - 3, ends[1] + 3), model.bounds, (0.0, MAX_BYPASS)][:free]
+        scale = np.array([np.exp(-start[1]), 1.0, 0.1])[:free]  # changes that matter alike
 
-    def derivatives(
-        self, model: Model, p: Array, level: float | None = None
-    ) -> tuple[float, Array, Array]:
-        """ln L, its gradient (3) and the expected information (3 x 3)."""
-        logit, share, columns = sensitivity(model, p, self.log_diameter, level)
-        gradient = columns @ (self.weight * (self.coarse - share))
-        information = (columns * (self.weight * share * (1 - share))) @ columns.T
-        return float(self.weight @ self._log_chance(logit, p[2])), gradient, information
+        def lack(moved: Array) -> tuple[float, Array]:
+            p = np.zeros(3)
+            p[:free] = moved * scale
+            value, gradient = self.value(model, p)
+            return -value, -gradient[:free] * scale
 
-
-def sensitivity(
-    model: Model, p: Array, log_diameter: Array, level: float | None = None
-) -> tuple[Array, Array, Array]:
-    """The logit without bypass and T at each ln d, and the derivatives (3, n) of T's logit by p."""
-    center, by_shape, by_bypass = _center(model, p, level)
-    logit, along, shape = model.logit(log_diameter - center, p[1])
-    bypass = p[2]
-    inner = expit(logit)
-    share = bypass + (1 - bypass) * inner
-    # dT/dp over T (1 - T); 1 - T = (1 - bypass)(1 - inner)
-    steep = inner / np.maximum(share, 1e-300)
-    columns = np.stack(
-        [
-            -steep * along,
-            steep * (shape - along * by_shape),
-            1 / (np.maximum(share, 1e-12) * (1 - bypass)) - steep * along * by_bypass,
-        ]
-    )
-    return logit, share, columns
-
-
-def _center(model: Model, p: Array, level: float | None) -> tuple[float, float, float]:
-    """ln d of the cut without bypass, and its derivatives by ln s and by the bypass."""
-    if level is None:
-        return float(p[0]), 0.0, 0.0
-    bypass = float(p[2])
-    inner = (level - bypass) / (1 - bypass)
-    y = model.log_x_at(inner, float(p[1]))
-    _, along, shape = (float(v[0]) for v in model.logit(np.array([y]), float(p[1])))
-    by_bypass = (1 - level) / (1 - bypass) ** 2 / (inner * (1 - inner)) / along
-    return float(p[0]) - y, shape / along, by_bypass
-
-
-def maximize(
-    likelihood: Likelihood,
-    model: Model,
-    start: Array,
-    free: list[int],
-    upper_bypass: float,
-    level: float | None = None,
-    tolerance: float = 1e-7,
-) -> tuple[Array, float]:
-    """Fisher scoring with Levenberg's damping over the `free` parameters, within their bounds.
-
-    Ends when a step can gain less than `tolerance` in ln L.
-    """
-    low = np.array([likelihood.log_diameter.min() - 3, model.bounds[0], 0.0])
-    high = np.array([likelihood.log_diameter.max() + 3, model.bounds[1], upper_bypass])
-    p, damping = np.clip(start, low, high), 1e-6
-    value, gradient, information = likelihood.derivatives(model, p, level)
-    for _ in range(100):
-        stuck = ((p <= low) & (gradient < 0)) | ((p >= high) & (gradient > 0))
-        moving = [k for k in free if not stuck[k]]
-        if not moving:
-            break
-        matrix = information[np.ix_(moving, moving)]
-        scale = np.diag(matrix) + 1e-12
-        step = np.zeros(3)
-        step[moving] = np.linalg.solve(matrix + np.diag(damping * scale), gradient[moving])
-        if gradient @ step < 2 * tolerance:
-            break
-        step[1] = np.clip(step[1], -1.0, 1.0)
-        trial = np.clip(p + step, low, high)
-        better = likelihood.derivatives(model, trial, level)
-        if better[0] >= value:
-            p, (value, gradient, information) = trial, better
-            damping = max(damping / 10, 1e-9)
-        elif damping > 1e6:
-            break
-        else:
-            damping = max(damping * 10, 1e-3)
-    return p, value
+        found = minimize(
+            lack, start[:free] / scale, jac=True, method="L-BFGS-B",
+            bounds=[(low / s, high / s) for (low, high), s in zip(bounds, scale, strict=True)],
+            options={"ftol": 1e-12, "gtol": 1e-4},
+        )  # fmt: skip
+        p = np.zeros(3)
+        p[:free] = found.x * scale
+        return p, -float(found.fun)

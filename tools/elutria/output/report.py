@@ -133,6 +133,30 @@ def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) ->
     return notes
 
 
+def absent_notes(
+    summary: Iterable[Mapping[str, Any]], curves: Iterable[Mapping[str, Any]]
+) -> list[str]:
+    """A line for each curve that lacks d25, d50 or d75, with where it begins and ends."""
+    notes = []
+    summary, curves = list(summary), list(curves)
+    alone = len({row["material"] for row in summary} - {"all"}) == 1
+    for row in summary:
+        if alone and row["material"] == "all":
+            continue
+        absent = [name for name in ("d25", "d50", "d75") if row[f"{name}_m"] != row[f"{name}_m"]]
+        key = ("gas_velocity_m_s", "material")
+        curve = [point for point in curves if all(point[name] == row[name] for name in key)]
+        if absent and curve:
+            size, share = ([point[name] for point in (curve[0], curve[-1])]
+                           for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
+            notes.append(
+                f"{row['gas_velocity_m_s']:g} m/s, {row['material']}: no {', '.join(absent)} "
+                f"within the sizes that left: {100 * share[0]:.2g} % of {_micrometres(size[0])} um "
+                f"and {100 * share[1]:.2g} % of {_micrometres(size[1])} um go to coarse"
+            )
+    return notes
+
+
 def _micrometres(value: float) -> str:
     return "-" if value != value else f"{value * 1e6:.4g}"
 

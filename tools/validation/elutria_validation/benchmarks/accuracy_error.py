@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from elutria.classification.classify import fit_events
 from elutria.classification.events import Events
-from elutria.classification.fit import PartitionFit
 
 Array = NDArray[np.float64]
 
@@ -52,24 +51,20 @@ def cut_of_events(events: Events) -> Cut:
     """The fitted curve of what has left."""
     left = events.diameter[events.has_left]
     fit = fit_events(events)
-    if fit.best is None:
+    if fit.curve is None:
         edge = np.array([left.min(), left.max()]) if left.size else np.array([1e-6, 1.0])
         return Cut(nan, nan, nan, nan, edge, np.full(2, nan))
     diameter = np.geomspace(left.min(), left.max(), 481)
     _, low, high = fit.sizes[0.50]
+    blunt, sharp = fit.sharpness_interval[1:]
     return Cut(
         fit.d50,
         (high - low) / LIMITS,
         fit.sharpness,
-        sharpness_deviation(fit),
+        (sharp - blunt) / LIMITS,
         diameter,
         fit.share(diameter),
     )
-
-
-def sharpness_deviation(fit: PartitionFit) -> float:
-    """Standard deviation of d25/d75; nan where the curve's shape cannot be told."""
-    return fit.misfit.sharpness_deviation(fit.d25, fit.d75) if fit.misfit else nan
 
 
 def cut_of_curve(diameter: ArrayLike, share: ArrayLike) -> Cut:

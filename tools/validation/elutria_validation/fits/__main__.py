@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 
 from elutria.files import write_text
-from elutria_validation.fits import misfit_prior, onset_weight, own_wake
+from elutria_validation.fits import onset_weight, own_wake
 from elutria_validation.fits.constants import Fit, lines
 from elutria_validation.harness.programs import project_root
 from elutria_validation.harness.provenance import machine
@@ -17,7 +17,7 @@ from elutria_validation.harness.provenance import machine
 
 def all_fits() -> list[Fit]:
     """Every fit there is."""
-    return [own_wake.fit_viscous(), own_wake.fit_inertial(), onset_weight.fit(), misfit_prior.fit()]
+    return [own_wake.fit_viscous(), own_wake.fit_inertial(), onset_weight.fit()]
 
 
 def write(fits: list[Fit]) -> None:
