@@ -411,7 +411,8 @@ const Feed& Feed::require
     if (!feed)
     {
         FatalErrorInFunction
-            << mesh.time().constant()/"feed" << ": file not found; " << model
+            << (mesh.time().constant()/"feed").c_str()
+            << ": file not found; " << model
             << " of the cloud's properties needs it" << exit(FatalError);
     }
     return *feed;
