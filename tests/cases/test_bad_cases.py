@@ -119,18 +119,19 @@ def test_stock_refuses_weighted_parcels_by_their_name(
     case = tmp_path / "case"
     shutil.copytree(scene, case)
     change(case, {f"{malformed.FEED}:parcels": parcels, f"{malformed.FEED}:duration": 0.1})
-    change(case, {f"{CONTROL}:libs": ["libelutriaCollision.so"]})
+    change(case, {f"{CONTROL}:libs": ["libelutriaCollision.so"], f"{CONTROL}:endTime": 3e-3})
     done = subprocess.run(["DPMFoam"], cwd=case, capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert f"parcels is {parcels}, allowed in this solver: particles" in done.stdout + done.stderr
 
 
 def test_a_memory_fault_while_reading_does_not_blame_the_mesh(scene: Path, tmp_path: Path) -> None:
-    """The run waits for its feed, a pipe that nobody writes to, when the fault comes."""
+    """The run waits for an included file, a pipe that nobody writes to, when the fault comes."""
     case = tmp_path / "case"
     shutil.copytree(scene, case)
-    (case / "constant/feed").unlink()
-    os.mkfifo(case / "constant/feed")
+    os.mkfifo(case / "constant/pipe")
+    with (case / "constant/transportProperties").open("a") as file:
+        file.write('\n#include "pipe"\n')
     with subprocess.Popen(["elutriaFoam"], cwd=case, stdout=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None
         for line in run.stdout:
