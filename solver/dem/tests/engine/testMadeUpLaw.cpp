@@ -135,8 +135,8 @@ TEST_CASE("particles and walls under different laws")
     PairProperties cone = p;
     cone.normalStiffness = 1e9;
     settings.treatment = ContactTreatment::automatic;
-    addSphere(all, {0, 0, 3.1e-3}, 1e-3, 2500);
-    all.position.set(0, {0, 0, 1.05e-3});
+    addSphere(all, {0, 0, 3.3e-3}, 1e-3, 2500);
+    all.position.set(0, {0, 0, 1.2e-3});
     all.velocity.set(0, {0, 0, 0});
     all.velocity.set(1, {0, 0, -1});
     Engine both(settings, oneMaterial(cone), Walls(floorAt(0, 1)));
