@@ -59,9 +59,9 @@ def finish(case: Path, command: list[str]) -> None:
 
 def outcome(case: Path) -> tuple[list[str], bytes, bytes]:
     """Rows of all starts in order, what is inside, the ledger."""
-    tables = (case / "postProcessing/outlets").glob("*/particles.csv")
+    files = (case / "postProcessing/outlets").glob("*/particles.csv")
     rows = []
-    for table in sorted(tables, key=lambda path: float(path.parent.name)):
+    for table in sorted(files, key=lambda path: float(path.parent.name)):
         head, *lines = table.read_text().splitlines()
         assert head == ",".join(tables.EVENTS)
         rows += lines
