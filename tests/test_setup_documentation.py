@@ -441,6 +441,14 @@ def test_paths_that_the_texts_name_are_there() -> None:
     assert gone == []
 
 
+def test_architecture_says_what_each_library_is_for() -> None:
+    project = (ROOT / "tools/pyproject.toml").read_text()
+    needed = re.findall(r'^    "([\w-]+)>=', project, re.M)
+    page = (ROOT / "ARCHITECTURE.md").read_text()
+    assert len(needed) > 5
+    assert [name for name in needed if not re.search(rf"\b{name}\b", page)] == []
+
+
 def test_the_version_to_cite_is_the_tools() -> None:
     project = (ROOT / "tools/pyproject.toml").read_text()
     version = re.search(r'^version = "(.+)"', project, re.M)
