@@ -210,7 +210,8 @@ class Row:
 
 def table_rows(page: Path) -> list[Row]:
     """The rows of all tables of a page."""
-    rows, section, heading = [], [""] * 7, []
+    rows: list[Row] = []
+    section, heading = [""] * 7, list[str]()
     for line in page.read_text().splitlines():
         if title := re.match(r"(#+) (.*)", line):
             level = len(title[1])
