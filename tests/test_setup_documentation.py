@@ -210,7 +210,8 @@ class Row:
 
 def table_rows(page: Path) -> list[Row]:
     """The rows of all tables of a page."""
-    rows, section, heading = [], [""] * 7, []
+    rows: list[Row] = []
+    section, heading = [""] * 7, list[str]()
     for line in page.read_text().splitlines():
         if title := re.match(r"(#+) (.*)", line):
             level = len(title[1])
@@ -439,6 +440,14 @@ def test_paths_that_the_texts_name_are_there() -> None:
         if not (ROOT / path).exists()
     ]
     assert gone == []
+
+
+def test_architecture_says_what_each_library_is_for() -> None:
+    project = (ROOT / "tools/pyproject.toml").read_text()
+    needed = re.findall(r'^    "([\w-]+)>=', project, re.M)
+    page = (ROOT / "ARCHITECTURE.md").read_text()
+    assert len(needed) > 5
+    assert [name for name in needed if not re.search(rf"\b{name}\b", page)] == []
 
 
 def test_the_version_to_cite_is_the_tools() -> None:
