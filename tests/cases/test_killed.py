@@ -20,6 +20,7 @@ from pathlib import Path
 
 import pytest
 
+from elutria import tables
 from elutria_validation.harness.box import BoxCase, Contacts
 from elutria_validation.harness.cases import CONTROL, add_feed, material
 from elutria_validation.harness.programs import run_program
