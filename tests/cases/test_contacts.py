@@ -104,7 +104,7 @@ def test_a_floor_that_moves_drags_a_grain_by_friction(tmp_path: Path, measured) 
     # the gas' boundary condition says how the wall moves; the grain slides all the time
     friction, gravity, end = 0.4, -9.81, 0.02
     grain = Particles.of([(0.05, 0.05, 0.5e-3)], [(0, 0, 0)], diameter=1e-3)
-    moving = {"type": "fixedValue", "value": "uniform (1 0 0)"}
+    moving = {"type": "fixedValue", "value": [1, 0, 0]}
     for treatment, processors in (("auto", 1), ("soft", 2)):
         contacts = Contacts(Pair(0.8, friction), treatment=treatment)
         box = replace(
