@@ -147,4 +147,7 @@ def test_a_size_that_the_curve_does_not_reach_is_said() -> None:
     assert np.isnan(tables.summary[0]["d25_m"])
     (line,) = absent_notes(tables.summary, tables.curves)
     assert line.startswith("5 m/s, quartz: no d25")
-    assert float(line.split("left: ")[1].split(" %")[0]) == pytest.approx(50, abs=10)
+    assert "100 % of 3000 um" in line
+    finest = 100 * tables.curves[0]["partition_to_coarse"]
+    assert float(line.split("left: ")[1].split(" %")[0]) == pytest.approx(finest, rel=1e-2)
+    assert finest > 25

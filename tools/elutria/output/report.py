@@ -151,8 +151,8 @@ def absent_notes(
                            for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
             notes.append(
                 f"{row['gas_velocity_m_s']:g} m/s, {row['material']}: no {', '.join(absent)} "
-                f"within the sizes that left: {100 * share[0]:.2g} % of {_micrometres(size[0])} um "
-                f"and {100 * share[1]:.2g} % of {_micrometres(size[1])} um go to coarse"
+                f"within the sizes that left: {100 * share[0]:.3g} % of {_micrometres(size[0])} um "
+                f"and {100 * share[1]:.3g} % of {_micrometres(size[1])} um go to coarse"
             )
     return notes
 
