@@ -52,6 +52,11 @@ def test_programs_come_first_on_the_path(tmp_path: Path) -> None:
     assert found["WM_PROJECT_VERSION"] == "v1912"
 
 
+def test_python_keeps_compiled_modules_whatever_the_machine_says(tmp_path: Path) -> None:
+    name = "PYTHONDONTWRITEBYTECODE"
+    assert sourced(ROOT / "etc/bashrc", [name], tmp_path, **{name: "1"}) == {name: ""}
+
+
 def test_a_path_with_spaces_sourced_twice_by_relative_name(clone_with_spaces: Path) -> None:
     found = sourced(Path("bashrc"), ["PATH", "LD_LIBRARY_PATH"], clone_with_spaces / "etc", times=2)
     assert (
