@@ -18,6 +18,7 @@ from elutria.cli import app
 ROOT = Path(__file__).resolve().parents[1]
 DICTIONARIES = ROOT / "docs/user/dictionaries.md"
 OUTPUTS = ROOT / "docs/user/outputs.md"
+LAWS = ROOT / "solver/coupling/laws"
 
 READERS = (
     "get", "getOrDefault", "getCheck", "getCheckOrDefault", "getOrAdd", "readIfPresent",
@@ -64,6 +65,7 @@ def sources() -> list[Path]:
     """The files that may read a dictionary; the particle engine knows none."""
     folders = [p for p in (ROOT / "solver").iterdir() if p.is_dir() and p.name != "dem"]
     files = [file for folder in folders for file in folder.rglob("*.[CH]")]
+    files += [file for file in LAWS.rglob("*.[hc]pp") if file.parent.name != "tests"]
     return sorted(file for file in files if not file.is_symlink())
 
 
@@ -258,6 +260,7 @@ def test_every_entry_that_the_solver_reads_is_in_the_manual() -> None:
     assert len(names) > 60  # the search finds them at all
     told = documented(table_rows(DICTIONARIES)) | documented(table_rows(OUTPUTS))
     missing = {r.entry: r.file for r in readings()[0] if r.entry not in told}
+    missing |= {p: law for law, names in size_laws().items() for p in names if p not in told}
     assert missing == {}
 
 
@@ -269,7 +272,7 @@ def test_an_entry_whose_name_is_no_string_is_one_that_a_case_names() -> None:
 
 def test_the_manual_names_no_entry_that_nothing_reads() -> None:
     read = {reading.entry for reading in readings()[0]} | READ_BY_VARIABLE | python_readings()
-    read |= parameters()
+    read |= parameters() | {name for names in size_laws().values() for name in names}
     told = documented(ours(table_rows(DICTIONARIES)), "entry")
     assert {entry for entry in told - read if not entry.isupper() and "-" not in entry} == set()
 
@@ -295,9 +298,10 @@ def test_every_word_that_an_entry_may_be_is_in_the_manual() -> None:
         if READ.search(text):
             asked |= set(re.findall(r'[!=]= "([A-Za-z]\w+)"', text))
             asked |= set(re.findall(r'\{\w+::\w+, "(\w+)"\}', text))
-    for file in (ROOT / "solver").glob("*/laws/*.[Hh]*"):
+    for file in (ROOT / "solver").glob("*/laws/**/*.[Hh]*"):
         asked |= set(re.findall(r'char\* name = "(\w+)"', file.read_text()))
-    assert {"hertzMindlin", "SchillerNaumannDrag"} <= asked
+    asked |= set(size_laws())
+    assert {"hertzMindlin", "SchillerNaumannDrag", "RosinRammler"} <= asked
     assert len(asked) > 30
     assert asked - told == set()
 
@@ -306,6 +310,13 @@ def python_readings() -> set[str]:
     """Entries that the tool reads, by the methods of its Dictionary."""
     calls = r'\b(?:number|numbers|word|words|sub|raw)\(\s*"(\w+)"'
     return {name for file in product_modules() for name in re.findall(calls, file.read_text())}
+
+
+def size_laws() -> dict[str, list[str]]:
+    """The size laws of a feed, and their parameters, which are entries of its dictionary."""
+    rows = re.findall(r'\{"(\w+)", \{([^}]*)\},', (LAWS / "SizeLaws.cpp").read_text())
+    assert len(rows) > 3
+    return {name: re.findall(r'"(\w+)"', parameters) for name, parameters in rows}
 
 
 def parameters() -> set[str]:

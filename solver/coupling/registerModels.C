@@ -15,7 +15,7 @@ Description
 #include "feed/FeedInjection.H"
 #include "outlets/OutletRecorder.H"
 #include "forces/LawDragForce.H"
-#include "laws/DragLaws.H"
+#include "laws/DragLaws.hpp"
 #include "foam/foamVersion.H"
 
 namespace Foam
@@ -36,21 +36,14 @@ enterModel(OutletRecorder, CloudFunctionObject, kinematicCloud_)
 enterModel(ContinuousDispersion, DispersionModel, kinematicCloud_)
 
 #define enterDragLaw(Law)                                                      \
-    typedef LawDragForce<kinematicCloud_, dragLaws::Law> Law##Force_;          \
+    typedef LawDragForce<kinematicCloud_, elutria::laws::Law> Law##Force_;          \
     defineTemplateTypeNameAndDebugWithName                                     \
     (                                                                          \
-        Law##Force_, dragLaws::Law::name, 0                                    \
+        Law##Force_, elutria::laws::Law::name, 0                                    \
     );                                                                         \
     ParticleForce<kinematicCloud_>::                                           \
         adddictionaryConstructorToTable<Law##Force_> add##Law##ToTable_;
 
-enterDragLaw(SchillerNaumann)
-enterDragLaw(Clift)
-enterDragLaw(HaiderLevenspiel)
-enterDragLaw(Ganser)
-enterDragLaw(DiFelice)
-enterDragLaw(WenYu)
-enterDragLaw(Gidaspow)
-enterDragLaw(Beetstra)
+ELUTRIA_FOR_EACH_DRAG_LAW(enterDragLaw)
 
 } // End namespace Foam

@@ -11,8 +11,7 @@ import pytest
 
 from elutria.case.case import PARAMETERS, Case
 from elutria.classification.events import Events, read_run
-from elutria.estimates.scene import block_mesh_box, expect
-from elutria.running.run import run_case
+from elutria.running.run import ask_plan, run_case
 from elutria_validation.chapters.classification import GRAINS, loaded
 from elutria_validation.harness.cases import CLOUD, read_gas, times
 from elutria_validation.harness.programs import project_root
@@ -128,7 +127,7 @@ def test_a_dense_feed_has_parcels_of_few_particles(
     settings = (f"loading={loading}", f"particles={asked}", "feedTime=0.025", "drainTime=0.001")
     case = default_column(tmp_path / "run", 4, *(f"{PARAMETERS}:{text}" for text in settings))
     assert len(read_run(case.path).events) == fed
-    assert expect(case, 4, case.gas(), case.feed(), block_mesh_box(case)).parcels == fed
+    assert ask_plan(case)["feed"]["parcels"] == fed
     log = (case.path / "log.elutriaFoam").read_text()
     assert (f"{fed - asked} more than asked for" in log) == (fed > asked)
 

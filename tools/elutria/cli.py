@@ -55,10 +55,13 @@ def options() -> None:
 def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
     from elutria.case.case import Case
-    from elutria.estimates.check import report
+    from elutria.estimates.check import check_text, report
     from elutria.output.report import print_table
+    from elutria.running.run import ask_plan
 
-    for table in report(Case(case)):
+    source = Case(case)
+    check_text(source)
+    for table in report(source, ask_plan(source)):
         print_table(console, table)
 
 

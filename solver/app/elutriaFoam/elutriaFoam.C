@@ -230,7 +230,20 @@ void run(const argList& args)
 
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
-    if (plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0)
+    const bool settles =
+        plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0;
+
+    if (args.found("plan"))
+    {
+        if (settles)
+        {
+            plan.setBasis(ScenePlan::gasBasis::inlet);
+        }
+        plan.announce(cloud, runTime);
+        Info<< "elutria: planned" << endl;
+        return;
+    }
+    if (settles)
     {
         gas.startFromSettled();
         gas.converge
@@ -242,6 +255,7 @@ void run(const argList& args)
         {
             gas.writeSettled();
         }
+        plan.setBasis(ScenePlan::gasBasis::settled);
         plan.account(ScenePlan::partGas);
     }
 
@@ -323,6 +337,13 @@ int main(int argc, char *argv[])
         "keepSettled",
         "leave the empty column's settled gas in constant/settledGas: a run"
         " that finds it there, of this mesh at any velocity, starts from it"
+    );
+
+    argList::addBoolOption
+    (
+        "plan",
+        "read the whole case, write what is expected and planned to"
+        " postProcessing/plan.json, and run nothing"
     );
 
     #include "addCheckCaseOptions.H"

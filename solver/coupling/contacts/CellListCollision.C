@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "contacts/CellListCollision.H"
+#include "core/ParticleName.hpp"
 
 namespace Foam
 {
@@ -14,7 +15,7 @@ namespace Foam
 template<class ParcelType>
 inline uint64_t parcelName(const ParcelType& p)
 {
-    return (uint64_t(uint32_t(p.origProc())) << 32) | uint32_t(p.origId());
+    return elutria::dem::ParticleName(p.origProc(), p.origId()).id();
 }
 
 

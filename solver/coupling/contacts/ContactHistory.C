@@ -9,6 +9,7 @@
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "foam/stateFile.H"
+#include "core/ParticleName.hpp"
 #include "IOField.H"
 
 namespace Foam
@@ -17,14 +18,10 @@ namespace Foam
 namespace
 {
 
+using elutria::dem::ParticleName;
+
 //- Labels of one record: two names of 64 bits in halves, wall or not
 constexpr label nLabels = 5;
-
-
-uint64_t joined(const label high, const label low)
-{
-    return (uint64_t(uint32_t(high)) << 32) | uint32_t(low);
-}
 
 } // End anonymous namespace
 
@@ -47,10 +44,11 @@ void contactHistory::write(const cloud& c, const elutria::dem::Engine& engine)
     label i = 0;
     for (const auto& record : records)
     {
-        names[nLabels*i] = label(uint32_t(record.first >> 32));
-        names[nLabels*i + 1] = label(uint32_t(record.first));
-        names[nLabels*i + 2] = label(uint32_t(record.second >> 32));
-        names[nLabels*i + 3] = label(uint32_t(record.second));
+        const ParticleName first(record.first), second(record.second);
+        names[nLabels*i] = label(first.origin);
+        names[nLabels*i + 1] = label(first.number);
+        names[nLabels*i + 2] = label(second.origin);
+        names[nLabels*i + 3] = label(second.number);
         names[nLabels*i + 4] = record.wall;
         displacements[i++] = toFoam(record.tangential);
     }
@@ -82,8 +80,8 @@ void contactHistory::read(const cloud& c, elutria::dem::Engine& engine)
     forAll(displacements, i)
     {
         const label* name = names.cdata() + nLabels*i;
-        records[i].first = joined(name[0], name[1]);
-        records[i].second = joined(name[2], name[3]);
+        records[i].first = ParticleName(name[0], name[1]).id();
+        records[i].second = ParticleName(name[2], name[3]).id();
         records[i].wall = name[4];
         records[i].tangential = toEngine(displacements[i]);
     }

@@ -8,6 +8,7 @@
 #include "feed/Feed.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
+#include "laws/FeedRules.hpp"
 #include "volFields.H"
 #include "mathematicalConstants.H"
 #include "wordRes.H"
@@ -23,16 +24,6 @@ namespace
 {
 
 constexpr scalar piBy6 = constant::mathematical::pi/6;
-
-//- Less is a foam, or a density in g/cm3 [kg/m3]
-constexpr scalar leastDensity = 10;
-
-//- kg of solids per kg of gas, above which particles meet often enough that
-//  their number counts
-constexpr scalar largestDiluteLoading = 1;
-
-//- Parcels that may be fed for each that is asked for, lest dust take forever
-constexpr scalar mostAdded = 10;
 
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
@@ -62,7 +53,7 @@ scalar readPositive(const dictionary& dict, const word& entry)
 Feed::Material::Material(const word& name, const dictionary& dict)
 :
     name(name),
-    density(readAtLeast(dict, "density", leastDensity)),
+    density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
     sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
     massFraction(readAtLeast(dict, "massFraction", 0)),
     numberFraction(0),
@@ -232,17 +223,18 @@ void Feed::addParcels(const word& phaseName)
     const scalar most = readPositive(*this, "particlesPerParcel");
     if (!isDilute(phaseName))
     {
-        const scalar enough =
-            min(rate_*duration_/most, mostAdded*scalar(asked_));
-        maxParticles_ =
-            max(asked_, label(min(std::ceil(enough), scalar(labelMax))));
+        const scalar fed =
+            elutria::laws::parcelsFed(asked_, rate_*duration_, most);
+        maxParticles_ = label(min(fed, scalar(labelMax)));
     }
 }
 
 
 bool Feed::isDilute(const word& phaseName) const
 {
-    return massFlow_ < largestDiluteLoading*gasMassFlow(phaseName);
+    return
+        massFlow_
+      < elutria::laws::largestDiluteLoading*gasMassFlow(phaseName);
 }
 
 
@@ -265,6 +257,12 @@ Feed::Sampling Feed::readSampling() const
             << exit(FatalIOError);
     }
     return Sampling::particles;
+}
+
+
+word Feed::place() const
+{
+    return found("patch") ? get<word>("patch") : get<word>("zone");
 }
 
 

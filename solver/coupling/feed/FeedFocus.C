@@ -10,7 +10,6 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "feed/Feed.H"
-#include "laws/DragLaws.H"
 #include "foam/foamVersion.H"
 #include "uniformDimensionedFields.H"
 #include "volFields.H"
@@ -18,7 +17,7 @@ Description
 namespace Foam
 {
 
-scalar Feed::settlingSize(const Material& material, const word& phaseName) const
+elutria::laws::Gas Feed::gas(const word& phaseName) const
 {
     const auto mean = [&](const char* field)
     {
@@ -30,37 +29,39 @@ scalar Feed::settlingSize(const Material& material, const word& phaseName) const
             ).primitiveField()
         );
     };
-    const scalar rho = mean("rho"), mu = mean("mu");
-    const vector g
-    (
-        mesh_.time().lookupObject<uniformDimensionedVectorField>("g").value()
-    );
+    return {mean("rho"), mean("mu")};
+}
+
+
+vector Feed::gravity() const
+{
+    return
+        mesh_.time().lookupObject<uniformDimensionedVectorField>("g").value();
+}
+
+
+scalar Feed::superficialSpeed(const word& phaseName) const
+{
+    const vector g(gravity());
     const scalarField height(mesh_.points() & g/max(mag(g), VSMALL));
     const scalar section = gSum(mesh_.V())/(gMax(height) - gMin(height));
-    const scalar speed = gasMassFlow(phaseName)/(rho*section);
+    return gasMassFlow(phaseName)/(gas(phaseName).density*section);
+}
 
-    const auto law =
+
+scalar Feed::settlingSize(const Material& material, const word& phaseName) const
+{
+    using namespace elutria::laws;
+    const Drag drag =
         material.sphericity < 1
-      ? dragLaws::HaiderLevenspiel::CdRe : dragLaws::SchillerNaumann::CdRe;
+      ? HaiderLevenspiel::CdRe : SchillerNaumann::CdRe;
 
-    // Weight less drag of a size that falls at that speed, per volume
-    const auto excess = [&](const scalar d)
-    {
-        const scalar drag = law(rho*speed*d/mu, 1, material.sphericity);
-        return
-            (material.density - rho)*mag(g) - 0.75*mu*speed/sqr(d)*drag;
-    };
-    scalar low = material.sizes.min(), high = material.sizes.max();
-    if (!(excess(low) < 0 && excess(high) > 0))
-    {
-        return 0;                       // all go one way
-    }
-    for (label halving = 0; halving < 40; ++halving)
-    {
-        const scalar middle = std::sqrt(low*high);
-        (excess(middle) < 0 ? low : high) = middle;
-    }
-    return low;
+    return elutria::laws::settlingSize
+    (
+        drag, {material.density, material.sphericity},
+        superficialSpeed(phaseName), gas(phaseName), mag(gravity()),
+        material.sizes.min(), material.sizes.max()
+    );
 }
 
 

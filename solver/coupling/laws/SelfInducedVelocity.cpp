@@ -1,5 +1,7 @@
 #include "laws/SelfInducedVelocity.hpp"
 
+#include "core/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@ namespace elutria::laws
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 
 /// A larger share is not attributed to the particle itself.
 constexpr double largestShare = 0.5;

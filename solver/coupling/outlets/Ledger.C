@@ -7,6 +7,7 @@
 
 #include "outlets/Ledger.H"
 #include "foam/foamVersion.H"
+#include "laws/OutputFiles.hpp"
 #include "OSspecific.H"
 #include "Time.H"
 #include "Pstream.H"
@@ -23,9 +24,7 @@ namespace Foam
 namespace
 {
 
-const char* const header =
-    "time_s,outlet,material,id,diameter_m,density_kg_m3,n_particle,"
-    "ux_m_s,uy_m_s,uz_m_s,residence_time_s";
+const char* const header = elutria::laws::particleColumns;
 
 
 //- Write a whole file, or none: users never see half of one

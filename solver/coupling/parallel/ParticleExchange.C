@@ -7,6 +7,7 @@
 
 #include "parallel/ParticleExchange.H"
 #include "foam/foamVersion.H"
+#include "core/ParticleName.hpp"
 #include "PstreamBuffers.H"
 #include "UIPstream.H"
 #include "UOPstream.H"
@@ -21,6 +22,7 @@ namespace Foam
 namespace
 {
 
+using elutria::dem::ParticleName;
 using elutria::dem::Particles;
 using elutria::dem::VectorArray;
 
@@ -116,8 +118,9 @@ void ParticleExchange::onMaster
     names[me].resize(3*local.size());
     for (size_t i = 0; i < local.size(); ++i)
     {
-        names[me][3*i] = label(uint32_t(local.id[i] >> 32));
-        names[me][3*i + 1] = label(uint32_t(local.id[i]));
+        const ParticleName name(local.id[i]);
+        names[me][3*i] = label(name.origin);
+        names[me][3*i + 1] = label(name.number);
         names[me][3*i + 2] = label(local.material[i]);
     }
     data[me] = packed(local, false);
@@ -138,8 +141,7 @@ void ParticleExchange::onMaster
                 const labelList& name = names[proci];
                 all.id.push_back
                 (
-                    (uint64_t(uint32_t(name[3*i])) << 32)
-                  | uint32_t(name[3*i + 1])
+                    ParticleName(name[3*i], name[3*i + 1]).id()
                 );
                 all.material.push_back(uint32_t(name[3*i + 2]));
             }

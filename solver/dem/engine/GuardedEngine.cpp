@@ -1,5 +1,6 @@
 #include "engine/GuardedEngine.hpp"
 
+#include "core/ParticleName.hpp"
 #include "core/text.hpp"
 
 #include <algorithm>
@@ -205,7 +206,7 @@ std::string GuardedEngine::unsound(const Particles& before, const Particles& aft
 {
     for (std::size_t i = 0; i < after.size(); ++i)
         if (!isFinite(after, i))
-            return "the motion of particle " + std::to_string(after.id[i] & 0xffffffffu)
+            return "the motion of particle " + std::to_string(ParticleName(after.id[i]).number)
                    + " is not finite";
 
     const double energy = kineticEnergy(after);
@@ -218,7 +219,7 @@ std::string GuardedEngine::unsound(const Particles& before, const Particles& aft
     const Vector3 place = before.position[fastest];
     return "contacts made energy: " + text(energy) + " J where at most " + text(allowed)
            + " J can be; the fastest is particle "
-           + std::to_string(after.id[fastest] & 0xffffffffu) + " at (" + text(place.x) + " "
+           + std::to_string(ParticleName(after.id[fastest]).number) + " at (" + text(place.x) + " "
            + text(place.y) + " " + text(place.z) + ") m";
 }
 

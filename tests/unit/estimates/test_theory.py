@@ -49,16 +49,17 @@ def test_settling_velocity_of_the_mfix_reference() -> None:
 
 @pytest.mark.parametrize("reynolds, cd", [(0.5, 51.54), (50, 1.574), (500, 0.5549), (2500, 0.4082)])
 def test_the_standard_curve(reynolds: float, cd: float) -> None:
-    assert drag.clift(reynolds) == pytest.approx(cd, rel=1e-3)
+    assert drag.drag_coefficient("CliftDrag", reynolds) == pytest.approx(cd, rel=1e-3)
 
 
 # Ganser's published coefficients leave its sphere below the standard curve between Re 1 and 1000
 @pytest.mark.parametrize("law, tolerance", [("Haider-Levenspiel", 0.07), ("Ganser", 0.28)])
 def test_laws_for_shapes_come_near_the_sphere(law: str, tolerance: float) -> None:
     for reynolds in (0.1, 1, 10, 100, 1000):
-        sphere = drag.clift(reynolds)
-        assert drag.LAWS[law](reynolds, 1.0) == pytest.approx(sphere, rel=tolerance)
-        assert drag.LAWS[law](reynolds, 0.6) > drag.LAWS[law](reynolds, 1.0)
+        sphere = drag.drag_coefficient("Clift", reynolds)
+        assert drag.drag_coefficient(law, reynolds) == pytest.approx(sphere, rel=tolerance)
+        flat = drag.drag_coefficient(law, reynolds, sphericity=0.6)
+        assert flat > drag.drag_coefficient(law, reynolds)
 
 
 def test_what_is_lighter_than_the_gas_has_no_settling_velocity() -> None:

@@ -19,7 +19,8 @@ from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
 from elutria.openfoam.dictionary import Dictionary, read_dictionary, read_list, set_entry
 from elutria.openfoam.mesh import check_mesh
-from elutria.physics.drag import SINGLE_PARTICLE_LIMIT, Gas
+from elutria.physics.drag import Gas
+from elutria.physics.laws import drag_title
 
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
@@ -117,9 +118,16 @@ class Case:
         return [name for name in forces.entries if "Drag" in name]
 
     def theory_law(self) -> str:
-        """The single-particle limit of the case's drag law."""
-        known = [SINGLE_PARTICLE_LIMIT[d] for d in self.drag_laws() if d in SINGLE_PARTICLE_LIMIT]
-        return known[0] if known else "Schiller-Naumann"
+        """The case's drag law, by its title: the first of which the formula is known."""
+        titles = [drag_title(name) for name in self.drag_laws()]
+        return next((title for title in titles if title), "Schiller-Naumann")
+
+    def drag_sphericity(self) -> float | None:
+        """Sphericity that OpenFOAM's nonSphereDrag gives all particles; None: their own."""
+        forces = self.cloud().sub("subModels").sub("particleForces")
+        if "nonSphereDrag" not in forces:
+            return None
+        return forces.sub("nonSphereDrag").number("phi", above=0, at_most=1)
 
     def cloud(self) -> Dictionary:
         """The cloud's properties."""

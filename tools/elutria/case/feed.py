@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, inf, pi
+from math import inf
 from pathlib import Path
 
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import Dictionary, read_dictionary
+from elutria.physics.laws import least_density
 from elutria.physics.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
@@ -15,12 +16,6 @@ ENTRIES = (
     "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity", "seed",
     "materials",
 )  # fmt: skip
-LARGEST_DILUTE_LOADING = 1
-"""kg of solids per kg of gas, above which particles meet often enough that their number counts."""
-MOST_ADDED = 10
-"""Parcels that may be fed for each that is asked for."""
-LEAST_DENSITY = 10
-"""kg/m3: less is a foam, or a density in g/cm3."""
 MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
 
 
@@ -37,7 +32,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Feed:
-    """The feed as the solver's injection will understand it. SI units.
+    """The feed as constant/feed states it. What the solver makes of it is in its plan. SI units.
 
     `loading` is kg of solids per kg of gas, `mass_flow_rate` kg/s: one of them is None.
     `outlets` gives each product's patches.
@@ -51,46 +46,13 @@ class Feed:
     start: float
     duration: float
     particles: int | None
-    particles_per_parcel: float  # at most, where they crowd: see parcels_fed
+    particles_per_parcel: float  # at most, where they crowd
     parcels: str  # particles: each parcel is one; evenMass, evenSizes: see Feed.H
     focus: str  # none, auto or a size in m, around which half of evenSizes' parcels lie
     drain_time: float
     velocity: tuple[float, float, float]
     seed: int
     materials: list[Material]
-
-    @property
-    def smallest(self) -> float:
-        """Smallest diameter fed, m."""
-        return min(material.sizes.smallest for material in self.materials)
-
-    @property
-    def largest(self) -> float:
-        """Largest diameter fed, m."""
-        return max(material.sizes.largest for material in self.materials)
-
-    @property
-    def spread(self) -> bool:
-        """Whether the parcels are spread over the duration (they stand for several particles)."""
-        return self.parcels != "particles" and self.duration != inf and self.particles is not None
-
-    def parcels_fed(self, rate: float, loading: float) -> int | None:
-        """Parcels of a feed of `rate` (kg/s) at a loading (kg/kg): `particles`, or more where
-        each would be more than `particles_per_parcel`. As Feed.H; nan: not known, `particles`."""
-        if self.particles is None or not self.spread or not loading >= LARGEST_DILUTE_LOADING:
-            return self.particles
-        number = rate * self.duration / self.mean_particle_mass()
-        enough = min(number / self.particles_per_parcel, MOST_ADDED * self.particles)
-        return max(self.particles, ceil(enough))
-
-    def mean_particle_mass(self) -> float:
-        """Mass (kg) of the feed over its number of particles."""
-        number_per_mass = sum(
-            material.mass_fraction
-            / (material.density * pi / 6 * material.sizes.mean_volume_diameter() ** 3)
-            for material in self.materials
-        )
-        return 1 / number_per_mass
 
 
 def read_feed(case: Path) -> Feed:
@@ -186,7 +148,9 @@ def _read_materials(entries: Dictionary) -> list[Material]:
         materials.append(
             Material(
                 name=name,
-                density=entry.number("density", at_least=LEAST_DENSITY, at_most=3e4, unit="kg/m3"),
+                density=entry.number(
+                    "density", at_least=least_density(), at_most=3e4, unit="kg/m3"
+                ),
                 sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
                 sizes=read_size_distribution(entry.sub("sizeDistribution")),

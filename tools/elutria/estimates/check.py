@@ -1,27 +1,47 @@
-"""What a case says and what follows from it, before anything is run."""
+"""What the solver understood of a case, expects of it and plans for it, as tables.
+
+The solver reads the case and decides (`elutriaFoam -plan`); here its answer is shown. Of the text
+only spelling and ranges are looked at before, which the user is told of sooner and with a hint.
+"""
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from typing import Any
 
-import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from elutria.case.case import Case
-from elutria.case.feed import Feed, Material
-from elutria.estimates.scene import Box, Scene, block_mesh_box, expect
-from elutria.physics.drag import Gas, plug_flow_cut_size
+
+BASES = {
+    "inlet": "what flows in",
+    "settled": "the gas, settled without particles",
+    "start": "the fields that the run starts from",
+}
+"""Where the gas velocity of the estimates is from, by the plan's `gas/basis`."""
 
 
-def report(case: Case) -> list[Table]:
-    """Tables for the terminal. Raises InputError for the first thing that is not allowed."""
+def check_text(case: Case) -> None:
+    """Raise InputError for the first entry of the case's files that cannot be right."""
     case.check_mesh()
-    velocity, feed, gas = case.velocity(), case.feed(), case.gas()
+    case.velocity()
+    case.feed()
+    case.gas()
+    case.gravity()
+    case.cloud().sub("subModels").sub("particleForces")
+    case.dictionary("system/controlDict", with_included=True).number(
+        "deltaT", above=0, at_most=1e6, unit="s"
+    )
+
+
+def report(case: Case, plan: dict[str, Any]) -> list[Table]:
+    """Tables for the terminal, of the solver's plan of a case."""
     return [
-        _setting(case, velocity, gas, feed),
-        _materials(case, velocity, gas, feed),
-        *_limits(case, velocity, gas, feed),
+        _setting(case, plan),
+        _materials(plan),
+        _limits(plan),
+        _expected(plan),
+        _decisions(plan),
     ]
 
 
@@ -32,127 +52,128 @@ def _table(title: str, *columns: str) -> Table:
     return table
 
 
-def _setting(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
+def _known(value: float | None, text: str) -> str:
+    """`text` with the value in it, or that it is not known."""
+    return "known when the gas flows" if value is None else text.format(value)
+
+
+def _setting(case: Case, plan: dict[str, Any]) -> Table:
     table = _table(f"{case.name}: what was understood", "what", "value", "from")
-    source, patches = case.patches()
-    table.add_row("gas velocity", f"{velocity:g} m/s", "system/simulationParameters")
+    gas, feed = plan["gas"], plan["feed"]
+    table.add_row("gas velocity", f"{case.velocity():g} m/s", "system/simulationParameters")
     table.add_row(
-        "gas", f"{gas.density:g} kg/m3, {gas.viscosity:.3g} Pa s", "constant/transportProperties"
-    )
-    table.add_row("gravity", f"{case.gravity():g} m/s2", "constant/g")
-    table.add_row("drag", ", ".join(case.drag_laws()) or "none", "the cloud's particleForces")
-    place = f"{'patch' if feed.place_is_patch else 'zone'} {feed.place}"
-    table.add_row("fed through", place, "constant/feed")
-    for product, names in feed.outlets.items():
-        table.add_row(f"{product} leave through", ", ".join(names), "constant/feed")
-    table.add_row("patches", ", ".join(patches) or "known after meshing", source or "the mesh")
-    if feed.loading is not None:
-        table.add_row("loading", f"{feed.loading:g} kg solids per kg gas", "constant/feed")
-    else:
-        table.add_row("feed rate", f"{feed.mass_flow_rate:g} kg/s", "constant/feed")
-    focus = "" if feed.focus == "none" else f", half of them around the cut ({feed.focus})"
-    table.add_row("parcels", feed.parcels + focus, "constant/feed")
-    until = [] if feed.duration == inf else [f"{feed.duration:g} s"]
-    until += [] if feed.particles is None else [f"{feed.particles} parcels"]
-    table.add_row("fed until", (" and " if feed.spread else " or ").join(until), "constant/feed")
-    table.add_row("seed", str(feed.seed), "constant/feed")
+        "gas", f"{gas['density_kg_m3']:g} kg/m3, {gas['viscosity_pa_s']:.3g} Pa s",
+        "constant/transportProperties",
+    )  # fmt: skip
+    table.add_row("gravity", f"{plan['gravity_m_s2']:g} m/s2", "constant/g")
+    forces = ", ".join(plan["drag"]["forces"]) or "none"
+    table.add_row("drag", forces, "the cloud's particleForces")
+    table.add_row("fed through", feed["through"], "constant/feed")
+    for outlet in feed["outlets"]:
+        patches = ", ".join(outlet["patches"])
+        table.add_row(f"{outlet['product']} leave through", patches, "constant/feed")
+    patches = ", ".join(f"{patch['name']} ({patch['type']})" for patch in plan["mesh"]["patches"])
+    table.add_row("patches", patches, "the mesh")
+    table.add_row("feed", f"{feed['rate_kg_s'] * 1e3:.3g} g/s", "constant/feed")
+    table.add_row(
+        "", f"{feed['particles_per_s']:.3g} particles per s, {feed['particles_per_parcel']:.3g} "
+        "a parcel on average", "",
+    )  # fmt: skip
+    table.add_row("fed", f"from {feed['start_s']:g} s to {feed['end_s']:g} s", "constant/feed")
+    if feed["parcels"] is not None:
+        more = feed["parcels"] > feed["parcels_asked"]
+        follows = " (more than asked for, to collide as particles do)" if more else ""
+        table.add_row("parcels", f"{feed['parcels']:g}{follows}", "constant/feed")
+    table.add_row("seed", f"{feed['seed']:g}", "constant/feed")
     return table
 
 
-def _materials(case: Case, velocity: float, gas: Gas, feed: Feed) -> Table:
-    law = case.theory_law()
+def _materials(plan: dict[str, Any]) -> Table:
     table = _table(
-        f"Materials, and the cut where terminal velocity = gas velocity ({law})",
+        f"Materials, and the cut where terminal velocity = gas velocity ({plan['drag']['law']})",
         "material", "kg/m3", "sphericity", "mass share", "sizes um", "d10 d50 d90 um", "cut um",
     )  # fmt: skip
-    for material in feed.materials:
-        sizes = material.sizes
-        quantiles = sizes.mass_quantile(np.array([0.1, 0.5, 0.9])) * 1e6
+    for material in plan["feed"]["materials"]:
+        um = {name: material[f"{name}_m"] for name in ("smallest", "largest", "cut")}
+        um = {name: None if size is None else size * 1e6 for name, size in um.items()}
+        quantiles = [material[f"{name}_m"] * 1e6 for name in ("d10", "d50", "d90")]
         table.add_row(
-            material.name,
-            f"{material.density:g}",
-            f"{material.sphericity:g}",
-            f"{material.mass_fraction:g}",
-            f"{sizes.name} {sizes.smallest * 1e6:.4g}..{sizes.largest * 1e6:.4g}",
+            material["name"],
+            f"{material['density_kg_m3']:g}",
+            f"{material['sphericity']:g}",
+            f"{material['mass_fraction']:g}",
+            f"{um['smallest']:.4g}..{um['largest']:.4g}",
             " ".join(f"{size:.4g}" for size in quantiles),
-            _theory(material, velocity, gas, law, case.gravity()),
+            _cut(um["cut"], um["smallest"] or 0.0, um["largest"] or 0.0),
         )
     return table
 
 
-def _theory(material: Material, velocity: float, gas: Gas, law: str, gravity: float) -> str:
-    if material.density <= gas.density:
-        return "none: lighter than the gas"
-    size = plug_flow_cut_size(velocity, material.density, gas, law, material.sphericity, gravity)
-    within = material.sizes.smallest < size < material.sizes.largest
-    return f"{size * 1e6:.4g}" + ("" if within else ", outside the feed")
+def _cut(size: float | None, smallest: float, largest: float) -> str:
+    if size is None:
+        return "none"
+    return f"{size:.4g}" + ("" if smallest < size < largest else ", outside the feed")
 
 
-def _limits(case: Case, velocity: float, gas: Gas, feed: Feed) -> list[Table]:
-    box = block_mesh_box(case)
-    scene = expect(case, velocity, gas, feed, box)
-    return [_steps_and_cells(case, velocity, feed, box, scene), _expected(case, feed, scene)]
-
-
-def _steps_and_cells(
-    case: Case, velocity: float, feed: Feed, box: Box | None, scene: Scene
-) -> Table:
+def _limits(plan: dict[str, Any]) -> Table:
     table = _table("Limits", "what", "number", "what follows")
-    control = case.dictionary("system/controlDict", with_included=True)
-    step = control.number("deltaT", above=0, at_most=1e6, unit="s")
-    table.add_row("first time step", f"{step:g} s", f"gas moves {step * velocity * 1e3:.3g} mm")
-    courant = control.number("maxCo", None, above=0)
-    if box is not None:
-        cells = f"{box.smallest_cell * 1e3:.3g} .. {box.largest_cell * 1e3:.3g} mm"
-        table.add_row("cells", cells, f"Courant {step * velocity / box.smallest_cell:.2g}")
-        share = feed.largest / box.smallest_cell
-        follows = "void fraction is spread over a kernel" if share > 0.3 else "a cell holds several"
-        table.add_row("largest particle over cell", f"{share:.2g}", follows)
-    if courant is not None:
-        table.add_row("maxCo", f"{courant:g}", "the gas step adapts to it")
-    shortest, longest = scene.shortest_relaxation, scene.longest_relaxation
+    mesh, step, expected = plan["mesh"], plan["step"], plan["expected"]
+    small, large = mesh["smallest_cell_m"], mesh["largest_cell_m"]
+    table.add_row("cells", f"{mesh['cells']:g}", f"{small * 1e3:.3g} .. {large * 1e3:.3g} mm")
+    share = max(material["largest_m"] for material in plan["feed"]["materials"]) / small
+    follows = "void fraction is spread over a kernel" if share > 0.3 else "a cell holds several"
+    table.add_row("largest particle over cell", f"{share:.2g}", follows)
+    adapts = step["largest_courant"]
+    courant = f"Courant {step['courant']:.2g}"
+    courant += "" if adapts is None else f", adapted to {adapts:g} (maxCo)"
+    table.add_row("first time step", f"{step['first_s']:g} s", courant)
+    shortest, longest = expected["shortest_relaxation_s"], expected["longest_relaxation_s"]
     table.add_row(
         "relaxation times", f"{shortest:.2g} .. {longest:.2g} s",
         "drag is integrated exactly: no limit to the step",
     )  # fmt: skip
-    slip = f"the gas: {velocity:g} m/s"
-    table.add_row("fastest settling", f"{scene.fastest_fall:.3g} m/s", slip)
+    table.add_row(
+        "fastest settling", f"{expected['fastest_settling_m_s']:.3g} m/s",
+        f"the gas: {plan['gas']['superficial_m_s']:.3g} m/s",
+    )  # fmt: skip
     return table
 
 
-def _expected(case: Case, feed: Feed, scene: Scene) -> Table:
-    """Orders of magnitude, and which part of the work each of them decides."""
-    table = _table("Expected (estimates), and what is skipped", "what", "number", "what follows")
-    plan = case.path / "system/scenePlan"
-    tolerance = 0.01
-    if plan.is_file():
-        tolerance = case.dictionary("system/scenePlan").number("gasTolerance", tolerance, above=0)
-    rates = f"{scene.feed_rate * 1e3:.3g} g/s, {scene.particle_rate:.3g} per s"
-    table.add_row("feed", _known(scene.feed_rate, rates), "")
-    if feed.particles is not None and scene.parcels is not None:
-        if scene.parcels > feed.particles:
-            table.add_row(
-                "parcels fed", str(scene.parcels), "more than asked for, to collide as particles do"
-            )
-        seconds = feed.duration if feed.spread else feed.particles / scene.particle_rate
-        table.add_row("time to feed all", _known(seconds, f"{seconds:.3g} s"), "of process time")
-    inside = f"{scene.inside:.3g} after {scene.residence:.2g} s each"
-    table.add_row("particles inside", _known(scene.inside, inside), "")
+def _expected(plan: dict[str, Any]) -> Table:
+    """Orders of magnitude, and what each of them decides."""
+    gas, expected = plan["gas"], plan["expected"]
+    table = _table(
+        f"Expected (estimates from {BASES[gas['basis']]})", "what", "number", "what follows"
+    )
     table.add_row(
-        "solids by volume", _known(scene.solids_fraction, f"{scene.solids_fraction:.2g}"),
-        "drag of single particles" if scene.solids_fraction < 1e-3 else "drag feels the neighbours",
+        "loading", _known(expected["loading"], "{:.3g} kg solids per kg gas"), "",
+    )  # fmt: skip
+    inside = _known(expected["particles_inside"], "{:.3g}")
+    table.add_row("particles inside", inside, _known(gas["through_time_s"], "{:.2g} s each"))
+    solids = expected["solid_fraction"]
+    dense = solids is not None and solids >= 1e-3
+    table.add_row(
+        "solids by volume", _known(solids, "{:.3g}"),
+        "drag feels the neighbours" if dense else "drag of single particles",
     )  # fmt: skip
     table.add_row(
-        "collisions of a particle", _known(scene.collisions, f"{scene.collisions:.2g}"),
+        "collisions of a particle", _known(expected["collisions"], "{:.3g}"),
         "flights are exact between them; steps of a contact only where it lasts",
     )  # fmt: skip
+    change, tolerance = expected["gas_change"], gas["changes_at"]
+    rests = change is not None and change < tolerance
     table.add_row(
-        "particles slow the gas by", _known(scene.gas_change, f"{100 * scene.gas_change:.2g} %"),
-        "gas rests after it has settled (one-way)" if scene.gas_change < tolerance
+        "particles slow the gas by", _known(None if change is None else 100 * change, "{:.3g} %"),
+        "gas rests after it has settled (one-way)" if rests
         else f"gas is solved again after each change of {100 * tolerance:g} %",
     )  # fmt: skip
     return table
 
 
-def _known(value: float, text: str) -> str:
-    return text if isfinite(value) else "known after meshing"
+def _decisions(plan: dict[str, Any]) -> Table:
+    table = _table("The solver's plan", "what", "decision", "why")
+    for row in plan["decisions"]:
+        table.add_row(*row)
+    for warning in plan["warnings"]:
+        table.add_row("warning", "", warning)
+    return table

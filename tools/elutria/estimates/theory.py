@@ -52,17 +52,18 @@ def cut_sizes(case: Case, velocities: list[float]) -> list[dict[str, Any]]:
     """Rows of theory.csv: the plug-flow cut size of each material over the velocities' range."""
     try:
         gas, law, gravity = case.gas(), case.theory_law(), case.gravity()
+        shape, materials = case.drag_sphericity(), case.feed().materials
     except InputError:
-        return []  # a case whose gas we cannot read has no theory beside its curves
+        return []  # no theory beside the curves where the gas is not known, or the laws not built
     around = np.geomspace(0.8 * min(velocities), 1.25 * max(velocities), 25)
     grid = np.unique([*velocities, *around])
     rows = []
-    for material in case.feed().materials:
+    for material in materials:
         for velocity in grid.tolist():
             size = nan
             if material.density > gas.density:
                 size = plug_flow_cut_size(
-                    velocity, material.density, gas, law, material.sphericity, gravity
+                    velocity, material.density, gas, law, shape or material.sphericity, gravity
                 )
             rows.append(
                 {

@@ -10,19 +10,20 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import re
 import shutil
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from math import inf
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from elutria.case.case import Case, Setting
 from elutria.classification.events import read_run
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.estimates.scene import block_mesh_box, expect
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in
 
@@ -32,32 +33,37 @@ if TYPE_CHECKING:
 
 SOLVER = "elutriaFoam"
 SETTLED_GAS = "constant/settledGas"
+PLAN = "postProcessing/plan.json"
 MARKER = "elutria.json"
 FINISHED = "finished.json"
 
 
 @dataclass(frozen=True)
 class Goal:
-    """What makes a run's progress 1: all fed and none inside, or the latest time."""
+    """When the run in `folder` is done: all are fed and none is inside, or the latest time."""
 
-    particles: int | None
+    folder: Path
+    asked: int | None
     latest: float
+
+    @cached_property
+    def parcels(self) -> int | None:
+        """As the solver's plan says once it is written; before, those that the feed asks for."""
+        feed = read_plan(self.folder).get("feed") if (self.folder / PLAN).is_file() else None
+        return self.asked if feed is None else feed["parcels"]
 
     def share(self, step: Step) -> float:
         """How far the run is, 0..1."""
         by_time = step.time / self.latest if self.latest > 0 else 0.0
-        if not self.particles:
+        if not self.parcels:
             return min(by_time, 1.0)
-        by_number = (0.5 * step.fed + 0.5 * (step.fines + step.coarse)) / self.particles
+        by_number = (0.5 * step.fed + 0.5 * (step.fines + step.coarse)) / self.parcels
         return min(max(by_number, by_time), 1.0)
 
 
-def _goal(case: Case, velocity: float, feed: Feed) -> Goal:
-    """Of a meshed case at a gas velocity (m/s)."""
-    parcels = feed.particles
-    if feed.particles_per_parcel < inf:
-        parcels = expect(case, velocity, case.gas(), feed, block_mesh_box(case)).parcels
-    return Goal(parcels, case.dictionary("system/controlDict").number("endTime", 0.0))
+def _goal(case: Case, feed: Feed) -> Goal:
+    end = case.dictionary("system/controlDict").number("endTime", 0.0)
+    return Goal(case.path, feed.particles, end)
 
 
 def is_finished(folder: Path, fingerprint: str) -> bool:
@@ -104,7 +110,7 @@ def run_case(
         make_mesh(copy)
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
             shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
-        solve(folder, np, _goal(copy, velocity, feed), on_step)
+        solve(folder, np, _goal(copy, feed), on_step)
         read_run(folder)  # complete, or not finished
         seconds = time.monotonic() - start
         write_json(
@@ -112,6 +118,27 @@ def run_case(
             {"inputs": fingerprint, "gas_velocity_m_s": velocity, "wall_time_s": round(seconds, 3)},
         )
     return copy
+
+
+def read_plan(folder: Path) -> dict[str, Any]:
+    """What the solver expected and planned of the case in `folder`: see docs/user/outputs.md."""
+    plan: dict[str, Any] = read_json(folder / PLAN)
+    return plan
+
+
+def ask_plan(case: Case) -> dict[str, Any]:
+    """The plan of a case, of a meshed copy of it; nothing is run. Raises InputError with the reason
+    of the mesher or the solver where one of them refuses the case."""
+    _need_programs(1)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = case.copy_to(Path(folder) / case.name, [])
+        try:
+            make_mesh(copy)
+            _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
+        except ElutriaError as error:
+            reason = re.sub(r" \(see [^)]*\)$", "", str(error))
+            raise InputError(reason.replace(str(copy.path), str(case.path))) from error
+        return read_plan(copy.path)
 
 
 @contextlib.contextmanager

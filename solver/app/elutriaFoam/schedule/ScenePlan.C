@@ -224,6 +224,7 @@ scalar ScenePlan::loadChange() const
 ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
 :
     gas_(gas),
+    basis_(gasBasis::start),
     interval_(1),
     toldInterval_(1),
     since_(0),
@@ -261,8 +262,11 @@ scalar ScenePlan::largestStep(const ElutriaCloud& cloud) const
     {
         return GREAT;
     }
-    const scalar collisions = expect(*cloud.feed()).collisions;
-    return gas_.throughTime()*collisionsPerStep_/max(collisions, VSMALL);
+    const elutria::laws::GasStream gas(stream(*cloud.feed()));
+    return elutria::laws::collisionStep
+    (
+        expect(*cloud.feed(), gas), gas, collisionsPerStep_
+    );
 }
 
 

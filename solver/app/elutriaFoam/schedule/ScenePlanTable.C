@@ -11,61 +11,12 @@ Description
 
 #include "schedule/ScenePlan.H"
 #include "contacts/ContactEstimate.H"
-#include "mathematicalConstants.H"
-
-#include <iomanip>
-#include <sstream>
 
 namespace Foam
 {
 
 namespace
 {
-
-constexpr scalar pi = constant::mathematical::pi;
-
-//- Three significant digits
-std::string number(const scalar value)
-{
-    std::ostringstream text;
-    text << std::setprecision(3) << value;
-    return text.str();
-}
-
-
-std::string percent(const scalar share)
-{
-    return number(100*share) + " %";
-}
-
-
-void row
-(
-    const std::string& what,
-    const std::string& decision,
-    const std::string& why
-)
-{
-    std::ostringstream line;
-    line << "    " << std::left << std::setw(16) << what << std::setw(30)
-        << decision << why;
-    Info<< line.str().c_str() << nl;
-}
-
-
-//- Relaxation time of a sphere slipping at a speed, Schiller & Naumann [s]
-scalar relaxationTime
-(
-    const scalar density,
-    const scalar diameter,
-    const scalar speed,
-    const scalar rho,
-    const scalar mu
-)
-{
-    const scalar Re = rho*speed*diameter/mu;
-    return density*sqr(diameter)/(18*mu)/(1 + 0.15*std::pow(Re, 0.687));
-}
 
 //- Overlap over radius above which soft spheres are no longer spheres
 constexpr scalar largestOverlap = 0.05;
@@ -85,47 +36,75 @@ constexpr scalar largestWake = 0.1;
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-ScenePlan::Expected ScenePlan::expect(const Feed& feed) const
+elutria::laws::Gas ScenePlan::gas() const
 {
-    Expected e;
-    const scalar rho = gas_.meanDensity(), U = gas_.meanSpeed();
-    const scalar mu = gAverage(gas_.mu().primitiveField());
-    const scalar volume = gSum(gas_.U().mesh().V());
+    return {gas_.meanDensity(), gAverage(gas_.mu().primitiveField())};
+}
 
-    // A particle is taken to stay as long as the gas
-    const scalar stay = gas_.throughTime();
-    e.loading = feed.massFlow()*stay/(rho*volume);
-    const scalar inside = feed.massFlow()*stay;
-    e.gasChange =
-        inside*mag(gas_.gravity())*stay/(rho*U*volume);
 
-    scalar crossSection = 0;
+elutria::laws::GasStream ScenePlan::stream(const Feed& feed) const
+{
+    return
+    {
+        gas_.meanDensity(),
+        basis_ == gasBasis::inlet
+      ? feed.superficialSpeed(gas_.name()) : gas_.meanSpeed(),
+        gSum(gas_.U().mesh().V()),
+        gas_.throughTime()
+    };
+}
+
+
+elutria::laws::SceneEstimate ScenePlan::expect
+(
+    const Feed& feed,
+    const elutria::laws::GasStream& gas
+) const
+{
+    elutria::laws::Solids solids{feed.massFlow(), feed.meanMass(), {}};
+    for (const Feed::Material& m : feed.materials())
+    {
+        solids.materials.push_back
+        ({
+            m.density, m.massFraction, m.numberFraction,
+            m.sizes.quantileByNumber(0.5)
+        });
+    }
+    return elutria::laws::estimate(solids, gas, mag(gas_.gravity()));
+}
+
+
+std::pair<scalar, scalar> ScenePlan::relaxationTimes
+(
+    const Feed& feed,
+    const CaseDrag& drag,
+    const scalar slip
+) const
+{
+    std::pair<scalar, scalar> times(GREAT, 0);
     for (const Feed::Material& m : feed.materials())
     {
         for (const scalar d : {m.sizes.min(), m.sizes.max()})
         {
-            const scalar tau = relaxationTime(m.density, d, U, rho, mu);
-            e.shortestRelaxation = min(e.shortestRelaxation, tau);
-            e.longestRelaxation = max(e.longestRelaxation, tau);
+            const scalar tau = drag.relaxationTime(m, d, slip, gas());
+            times = {min(times.first, tau), max(times.second, tau)};
         }
-        e.smallest = min(e.smallest, m.sizes.min());
-        const scalar d = m.sizes.quantileByNumber(0.5);
-        crossSection += m.numberFraction*pi*sqr(d);
-        e.solidFraction += m.massFraction*inside/m.density/volume;
     }
-    e.collisions = inside/feed.meanMass()/volume*crossSection*0.5*U*stay;
-    return e;
+    return times;
 }
 
 
-// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
-
-void ScenePlan::announceStiffness(const ElutriaCloud& cloud) const
+void ScenePlan::announceStiffness
+(
+    PlanTable& table,
+    const ElutriaCloud& cloud,
+    const scalar speed
+) const
 {
     const ContactEstimate contacts(cloud.engine(), *cloud.feed());
-    const scalar overlap = contacts.deepestOverlap(gas_.meanSpeed());
+    const scalar overlap = contacts.deepestOverlap(speed);
     const bool tooSoft = contacts.softOnly() && overlap > largestOverlap;
-    row
+    table.row
     (
         "stiffness", tooSoft ? "too low" : "enough",
         "overlap " + percent(overlap) + " of the radius at the gas' speed"
@@ -133,36 +112,40 @@ void ScenePlan::announceStiffness(const ElutriaCloud& cloud) const
     );
     if (tooSoft)
     {
-        Info<< "    Warning: contacts at the gas' speed overlap by "
-            << percent(overlap).c_str() << " of the radius, allowed: "
-            << percent(largestOverlap).c_str()
-            << "; raise youngsModulus or normalStiffness" << nl;
+        table.warn
+        (
+            "contacts at the gas' speed overlap by " + percent(overlap)
+          + " of the radius, allowed: " + percent(largestOverlap)
+          + "; raise youngsModulus or normalStiffness"
+        );
     }
 }
 
 
 void ScenePlan::announceParcels
 (
+    PlanTable& table,
     const ElutriaCloud& cloud,
+    const elutria::laws::GasStream& gas,
     const scalar collisions
 ) const
 {
     const Feed& feed = *cloud.feed();
-    const scalar each = feed.massFlow()/(feed.rate()*feed.meanMass());
+    const scalar each = feed.particlesPerParcel();
     const scalar wake = cloud.sampling().selfInducedShare
     (
-        feed.heaviestParcel()*mag(gas_.gravity()), gas_.meanSpeed()
+        feed.heaviestParcel()*mag(gas_.gravity()), gas.speed
     );
-    row
+    table.row
     (
-        "parcels", "each " + number(each) + " particles",
+        "parcels", "each " + threeDigits(each) + " particles",
         "the heaviest feel gas slowed by themselves by " + percent(wake)
     );
     if (feed.added() > 0)
     {
-        row
+        table.row
         (
-            "", number(feed.added()) + " more than asked for",
+            "", threeDigits(feed.added()) + " more than asked for",
             "so that they collide as particles do (particlesPerParcel)"
         );
     }
@@ -170,125 +153,169 @@ void ScenePlan::announceParcels
     {
         if (m.focus > 0)
         {
-            row
+            table.row
             (
                 "focus", "half of the parcels around",
-                number(1e6*m.focus) + " um of " + m.name
+                threeDigits(1e6*m.focus) + " um of " + m.name
             );
         }
     }
     if (wake > largestWake)
     {
-        Info<< "    Warning: parcels so heavy can shift the cut; "
-            << number(wake/largestWake).c_str()
-            << " times as many (particles of constant/feed) stay below "
-            << percent(largestWake).c_str() << nl;
+        table.warn
+        (
+            "parcels so heavy can shift the cut; "
+          + threeDigits(wake/largestWake)
+          + " times as many (particles of constant/feed) stay below "
+          + percent(largestWake)
+        );
     }
     if (cloud.contacts() && collisions > 1 && each > largestParcel)
     {
-        Info<< "    Warning: parcels of " << number(each).c_str()
-            << " particles that collide can shift the cut; "
-            << number(each/largestParcel).c_str()
-            << " times as many (particles of constant/feed) are few enough in"
-            << " each" << nl;
+        table.warn
+        (
+            "parcels of " + threeDigits(each)
+          + " particles that collide can shift the cut; "
+          + threeDigits(each/largestParcel)
+          + " times as many (particles of constant/feed) are few enough in"
+          + " each"
+        );
     }
 }
 
 
-void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
+void ScenePlan::announceContacts
+(
+    PlanTable& table,
+    const ElutriaCloud& cloud,
+    const Time& runTime
+) const
 {
-    static const char* const forced[] = {"as the scene allows", "always", "never"};
-    const auto said = [](const choice c) { return std::string(forced[label(c)]); };
-
-    Info<< nl << "Scene plan (system/scenePlan)" << nl;
-    const scalar dt = runTime.deltaTValue();
-    const bool coupled = cloud.solution().coupled();
-    if (const Feed* feed = cloud.feed())
+    const Feed& feed = *cloud.feed();
+    const scalar speed = stream(feed).speed;
+    scalar smallest = GREAT;
+    for (const Feed::Material& m : feed.materials())
     {
-        const Expected e = expect(*feed);
-        row
+        smallest = min(smallest, m.sizes.min());
+    }
+    const ContactEstimate contacts(cloud.engine(), feed);
+    const scalar contact = contacts.duration(smallest, speed);
+    table.row
+    (
+        "contact steps", "where something touches",
+        "shortest contact " + threeDigits(contact) + " s, its steps "
+      + threeDigits(contact*contacts.stepFraction()) + " s; gas step "
+      + threeDigits(runTime.deltaTValue()) + " s"
+    );
+    if
+    (
+        largestStep(cloud) < runTime.deltaTValue()
+     && runTime.controlDict().getOrDefault("adjustTimeStep", false)
+    )
+    {
+        table.row
         (
-            "coupling",
-            !coupled ? "one-way: coupled is false"
-          : e.gasChange < tolerance_ ? "one-way until it matters" : "two-way",
-            "loading " + number(e.loading) + ", the load changes the gas by "
-          + percent(e.gasChange)
-        );
-        if (feed->weighted() && coupled)
-        {
-            announceParcels(cloud, e.collisions);
-        }
-        row
-        (
-            "contacts",
-            !cloud.contacts() ? "skipped: no contact model"
-          : "impacts; soft where lasting",
-            number(e.collisions) + " collisions a particle, "
-          + number(e.solidFraction) + " solids by volume"
-        );
-        if (cloud.contacts())
-        {
-            const ContactEstimate contacts(cloud.engine(), *feed);
-            const scalar contact = contacts.duration
-            (
-                e.smallest, gas_.meanSpeed()
-            );
-            row
-            (
-                "contact steps", "where something touches",
-                "shortest contact " + number(contact) + " s, its steps "
-              + number(contact*contacts.stepFraction()) + " s; gas step "
-              + number(dt) + " s"
-            );
-            if
-            (
-                largestStep(cloud) < dt
-             && runTime.controlDict().getOrDefault("adjustTimeStep", false)
-            )
-            {
-                row
-                (
-                    "step", number(largestStep(cloud)) + " s at most",
-                    "not deltaT: a particle collides less than "
-                  + number(collisionsPerStep_) + " times in it"
-                );
-            }
-            announceStiffness(cloud);
-        }
-        row
-        (
-            "drag", "closed form over a step",
-            "relaxation " + number(e.shortestRelaxation) + " .. "
-          + number(e.longestRelaxation) + " s"
+            "step", threeDigits(largestStep(cloud)) + " s at most",
+            "not deltaT: a particle collides less than "
+          + threeDigits(collisionsPerStep_) + " times in it"
         );
     }
-    row
+    announceStiffness(table, cloud, speed);
+}
+
+
+void ScenePlan::announceFeed
+(
+    PlanTable& table,
+    const ElutriaCloud& cloud,
+    const Time& runTime
+) const
+{
+    const Feed& feed = *cloud.feed();
+    const bool coupled = cloud.solution().coupled();
+    const elutria::laws::GasStream gas(stream(feed));
+    const elutria::laws::SceneEstimate e(expect(feed, gas));
+    table.row
     (
-        "gas", said(gasChoice_),
-        "when its velocity could change by " + percent(tolerance_)
-      + ", Courant " + number(courant_)
+        "coupling",
+        !coupled ? "one-way: coupled is false"
+      : e.gasChange < tolerance_ ? "one-way until it matters" : "two-way",
+        "loading " + threeDigits(e.loading) + ", the load changes the gas by "
+      + percent(e.gasChange)
     );
-    row
+    if (feed.weighted() && coupled)
+    {
+        announceParcels(table, cloud, gas, e.collisions);
+    }
+    table.row
+    (
+        "contacts",
+        !cloud.contacts() ? "skipped: no contact model"
+      : "impacts; soft where lasting",
+        threeDigits(e.collisions) + " collisions a particle, "
+      + threeDigits(e.solidFraction) + " solids by volume"
+    );
+    if (cloud.contacts())
+    {
+        announceContacts(table, cloud, runTime);
+    }
+    const auto relaxation = relaxationTimes
+    (
+        feed, CaseDrag(cloud.particleProperties()), gas.speed
+    );
+    table.row
+    (
+        "drag", "closed form over a step",
+        "relaxation " + threeDigits(relaxation.first) + " .. "
+      + threeDigits(relaxation.second) + " s"
+    );
+}
+
+
+void ScenePlan::announceGas(PlanTable& table, const ElutriaCloud& cloud) const
+{
+    static const char* const forced[] = {"as the scene allows", "always", "never"};
+    table.row
+    (
+        "gas", forced[label(gasChoice_)],
+        "when its velocity could change by " + percent(tolerance_)
+      + ", Courant " + threeDigits(courant_)
+    );
+    table.row
     (
         "gas beforehand", convergeGas_ ? "settles without feed" : "skipped",
         "to " + percent(0.1*tolerance_) + " a passage"
     );
     const bool dispersed = cloud.sampling().disperses();
-    row
+    table.row
     (
         "dispersion", dispersed ? "needed" : "skipped",
         dispersed ? "the gas is turbulent" : "no model, or a laminar gas"
     );
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
+{
+    PlanTable table("Scene plan (system/scenePlan)");
+    if (cloud.feed())
+    {
+        announceFeed(table, cloud, runTime);
+    }
+    announceGas(table, cloud);
     if (cloud.contacts())
     {
         const bool friction = hasFriction(cloud.engine());
-        row
+        table.row
         (
             "spin, history", friction ? "needed" : "skipped",
             friction ? "friction" : "no friction anywhere"
         );
     }
-    Info<< endl;
+    table.end();
+    writePlan(table, cloud, runTime);
 }
 
 
@@ -305,8 +332,11 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
     const ElutriaCloud::Work& work = cloud.work();
     const scalar flights = max(work.particleSteps, scalar(1));
 
-    Info<< nl << "Scene plan: what was needed in " << steps_ << " steps" << nl;
-    row
+    PlanTable table
+    (
+        "Scene plan: what was needed in " + std::to_string(steps_) + " steps"
+    );
+    table.row
     (
         "gas solved", std::to_string(solves_) + " times",
         "left at rest " + std::to_string(sleeps_)
@@ -314,17 +344,17 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
     );
     if (cloud.contacts())
     {
-        row
+        table.row
         (
             "flights", percent(work.freeFlights/flights),
-            "of " + number(work.particleSteps) + " particle steps met nothing"
+            "of " + threeDigits(work.particleSteps) + " particle steps met nothing"
         );
-        row
+        table.row
         (
-            "impacts", number(work.impacts),
+            "impacts", threeDigits(work.impacts),
             "without contact steps"
         );
-        row
+        table.row
         (
             "soft contacts", percent(work.softFlights/flights),
             "of the particle steps took contact steps"
@@ -332,9 +362,13 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
     }
     for (label p = 0; p < nParts; ++p)
     {
-        row(names[p], percent(seconds_[p]/total), number(seconds_[p]) + " s");
+        table.row
+        (
+            names[p], percent(seconds_[p]/total),
+            threeDigits(seconds_[p]) + " s"
+        );
     }
-    Info<< endl;
+    table.end();
 }
 
 

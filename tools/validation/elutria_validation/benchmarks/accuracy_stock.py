@@ -171,19 +171,20 @@ def _write_mppic_cloud(case: Path, scene: Scene, start: float) -> None:
     """Its cloud's properties, from the case's own and from constant/feed."""
     feed, gas = Case(case).feed(), Case(case).gas()
     material = feed.materials[0]
-    limits = np.geomspace(feed.smallest, feed.largest, 61)
+    limits = np.geomspace(material.sizes.smallest, material.sizes.largest, 61)
     middle = 0.5 * (limits[1:] + limits[:-1])
     by_number = np.diff(material.sizes.mass_share_below(limits)) / middle**3
     density = by_number / np.diff(limits) / by_number.sum()
     area = 0.05**2  # m2, of the shaft
     rate = scene.loading * gas.density * scene.velocity * area
+    mass = material.density * np.pi / 6 * material.sizes.mean_cube  # kg, of a particle
     injection = {
         "type": "patchInjection",
         "parcelBasisType": "fixed",
         "nParticle": 1,
         "patch": feed.place,
         "U0": list(feed.velocity),
-        "parcelsPerSecond": rate / feed.mean_particle_mass(),
+        "parcelsPerSecond": rate / mass,
         "massTotal": rate * FEED_TIME,
         "flowRateProfile": ("constant", 1),
         "SOI": start,

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "WenYu.hpp"
+
+#include <cmath>
+
+namespace elutria::laws
+{
+
+/// Gidaspow 1994: Ergun's packed bed below alpha = 0.8, Wen & Yu above. Ergun per particle:
+/// Cd Re = (4/3)[150 (1 - alpha)/alpha + 1.75 Re]/alpha.
+struct Gidaspow
+{
+    static constexpr const char* name = "GidaspowDrag";
+    static constexpr const char* title = "Gidaspow";
+    static constexpr double maxRe = 2e5;
+    static constexpr double minAlpha = 0.36;
+    static constexpr bool knowsVoid = true;
+    static constexpr bool knowsShape = false;
+
+    static double CdRe(double Re, double alpha, double sphericity)
+    {
+        return alpha < 0.8
+            ? 4.0/3.0*(150*(1 - alpha)/alpha + 1.75*Re)/alpha
+            : WenYu::CdRe(Re, alpha, sphericity);
+    }
+};
+
+} // namespace elutria::laws

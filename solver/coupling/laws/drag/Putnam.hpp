@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cmath>
+
+namespace elutria::laws
+{
+
+/// Putnam 1961: Cd Re = 24 (1 + Re^(2/3)/6) up to Re 1000; Cd = 0.424 above. OpenFOAM has it itself.
+struct Putnam
+{
+    static constexpr const char* name = "sphereDrag";
+    static constexpr const char* title = "Putnam";
+    static constexpr double maxRe = 2e5;
+    static constexpr double minAlpha = 0.9;
+    static constexpr bool knowsVoid = false;
+    static constexpr bool knowsShape = false;
+
+    static double CdRe(double Re, double, double)
+    {
+        return Re > 1000 ? 0.424*Re : 24*(1 + std::pow(Re, 2.0/3)/6);
+    }
+};
+
+} // namespace elutria::laws

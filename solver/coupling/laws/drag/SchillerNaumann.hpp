@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cmath>
+
+namespace elutria::laws
+{
+
+/// Schiller & Naumann 1935: Cd Re = 24 (1 + 0.15 Re^0.687) up to Re 1000; Newton's Cd = 0.44 above.
+struct SchillerNaumann
+{
+    static constexpr const char* name = "SchillerNaumannDrag";
+    static constexpr const char* title = "Schiller-Naumann";
+    static constexpr double maxRe = 2e5;
+    static constexpr double minAlpha = 0.9;
+    static constexpr bool knowsVoid = false;
+    static constexpr bool knowsShape = false;
+
+    static double CdRe(double Re, double, double)
+    {
+        return Re > 1000 ? 0.44*Re : 24*(1 + 0.15*std::pow(Re, 0.687));
+    }
+};
+
+} // namespace elutria::laws

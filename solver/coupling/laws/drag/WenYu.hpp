@@ -1,0 +1,26 @@
+#pragma once
+
+#include "SchillerNaumann.hpp"
+
+#include <cmath>
+
+namespace elutria::laws
+{
+
+/// Wen & Yu 1966: Schiller-Naumann with the superficial Re, times alpha^-3.65.
+struct WenYu
+{
+    static constexpr const char* name = "WenYuVoidDrag";
+    static constexpr const char* title = "Wen-Yu";
+    static constexpr double maxRe = 2e5;
+    static constexpr double minAlpha = 0.45;
+    static constexpr bool knowsVoid = true;
+    static constexpr bool knowsShape = false;
+
+    static double CdRe(double Re, double alpha, double sphericity)
+    {
+        return SchillerNaumann::CdRe(alpha*Re, alpha, sphericity)*std::pow(alpha, -3.65);
+    }
+};
+
+} // namespace elutria::laws

@@ -1,0 +1,165 @@
+#include "elutriaLaws.h"
+
+#include "FeedRules.hpp"
+#include "OutputFiles.hpp"
+#include "Settling.hpp"
+#include "SizeCurves.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+
+using namespace elutria::laws;
+
+struct elutriaSizes
+{
+    SizeCurves curves;
+};
+
+namespace
+{
+
+/// A text that outlives the call, one for each thread
+const char* keep(const std::string& text)
+{
+    thread_local std::string kept;
+    kept = text;
+    return kept.c_str();
+}
+
+
+template<class Laws>
+const char* names(const Laws& laws)
+{
+    std::string all;
+    for (const auto& law : laws) all += (all.empty() ? "" : " ") + std::string(law.name);
+    return keep(all);
+}
+
+
+/// Do the work with a law; what is wrong, or null
+template<class Law, class Work>
+const char* with(const Law* law, const char* name, const Work& work)
+{
+    if (!law) return keep("no law is named " + std::string(name));
+    try
+    {
+        work(*law);
+    }
+    catch (const std::exception& error)
+    {
+        return keep(error.what());
+    }
+    return nullptr;
+}
+
+
+template<class Make>
+const char* make(elutriaSizes** sizes, int weighting, const Make& curve)
+{
+    try
+    {
+        const auto of = weighting == 0 ? Weighting::mass : Weighting::number;
+        *sizes = std::make_unique<elutriaSizes>(elutriaSizes{SizeCurves(curve(), of)}).release();
+    }
+    catch (const std::exception& error)
+    {
+        return keep(error.what());
+    }
+    return nullptr;
+}
+
+} // namespace
+
+
+const double elutriaLeastDensity = leastDensity;
+const char* const elutriaParticleColumns = particleColumns;
+
+const char* elutriaDragLaws() { return names(dragLaws()); }
+
+const char* elutriaDragTitle(const char* law)
+{
+    const DragLaw* found = findDragLaw(law);
+    return found ? found->title : nullptr;
+}
+
+const char* elutriaSizeLaws() { return names(sizeLaws()); }
+
+const char* elutriaSizeParameters(const char* law)
+{
+    const SizeLaw* found = findSizeLaw(law);
+    if (!found) return nullptr;
+    std::string all;
+    for (const char* name : found->parameters) all += (all.empty() ? "" : " ") + std::string(name);
+    return keep(all);
+}
+
+const char* elutriaCdRe(const char* name, const double* re, const double* voidFraction,
+                        const double* sphericity, double* cdRe, int n)
+{
+    return with(findDragLaw(name), name, [=](const DragLaw& law)
+    {
+        for (int i = 0; i < n; ++i) cdRe[i] = law.CdRe(re[i], voidFraction[i], sphericity[i]);
+    });
+}
+
+const char* elutriaTerminalVelocity(const char* name, const double grain[2], const double gas[2],
+                                    double gravity, const double* diameter, double* velocity, int n)
+{
+    return with(findDragLaw(name), name, [=](const DragLaw& law)
+    {
+        for (int i = 0; i < n; ++i)
+            velocity[i] = terminalVelocity(law.CdRe, {grain[0], grain[1]}, diameter[i],
+                                           {gas[0], gas[1]}, gravity);
+    });
+}
+
+const char* elutriaSettlingSize(const char* name, const double grain[2], const double gas[2],
+                                double gravity, const double limits[2], const double* velocity,
+                                double* diameter, int n)
+{
+    return with(findDragLaw(name), name, [=](const DragLaw& law)
+    {
+        for (int i = 0; i < n; ++i)
+            diameter[i] = settlingSize(law.CdRe, {grain[0], grain[1]}, velocity[i],
+                                       {gas[0], gas[1]}, gravity, limits[0], limits[1]);
+    });
+}
+
+const char* elutriaLawSizes(const char* name, const double* parameters, const double limits[2],
+                            int weighting, elutriaSizes** sizes)
+{
+    const SizeLaw* law = findSizeLaw(name);
+    if (!law) return keep("no law is named " + std::string(name));
+    return make(sizes, weighting, [=] { return truncated(*law, parameters, limits[0], limits[1]); });
+}
+
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, int weighting,
+                               elutriaSizes** sizes)
+{
+    return make(sizes, weighting, [=]
+    { return sieved({diameter, diameter + n}, {finer, finer + n}); });
+}
+
+const char* elutriaSingleSize(double diameter, elutriaSizes** sizes)
+{
+    return make(sizes, 0, [=] { return single(diameter); });
+}
+
+int elutriaSizePoints(const elutriaSizes* sizes)
+{
+    return int(sizes->curves.diameters().size());
+}
+
+double elutriaMeanCube(const elutriaSizes* sizes) { return sizes->curves.meanCube(); }
+
+void elutriaSizeCurves(const elutriaSizes* sizes, double* diameter, double* massFiner,
+                       double* numberFiner)
+{
+    const SizeCurves& curves = sizes->curves;
+    std::copy(curves.diameters().begin(), curves.diameters().end(), diameter);
+    std::copy(curves.massFiner().begin(), curves.massFiner().end(), massFiner);
+    std::copy(curves.numberFiner().begin(), curves.numberFiner().end(), numberFiner);
+}
+
+void elutriaFreeSizes(elutriaSizes* sizes) { delete sizes; }

@@ -1,0 +1,57 @@
+/* The laws for programs in other languages (libelutriaLaws.so). SI units, plain arrays of n numbers.
+ *
+ * Functions that can fail return 0 when they have not, else what is wrong as a text that is valid
+ * until the next call of the same thread. */
+#ifndef elutriaLaws_h
+#define elutriaLaws_h
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* kg/m3, see FeedRules.hpp */
+extern const double elutriaLeastDensity;
+
+/* Columns of particles.csv, a comma between them */
+extern const char* const elutriaParticleColumns;
+
+/* Names of the laws, one blank between them; of a size law's parameters, in their order; 0: no such
+ * law. A drag law is known by the name of its particle force, and by its title, which is what a
+ * person calls it. */
+const char* elutriaDragLaws(void);
+const char* elutriaDragTitle(const char* law);
+const char* elutriaSizeLaws(void);
+const char* elutriaSizeParameters(const char* law);
+
+/* Drag coefficient times Re, at a particle Re (interstitial slip), void fraction and sphericity. */
+const char* elutriaCdRe(const char* law, const double* re, const double* voidFraction,
+                        const double* sphericity, double* cdRe, int n);
+
+/* Terminal velocity of n sizes, and the size of n terminal velocities between two limits; 0 where
+ * there is none. gas: density and viscosity; grain: density and sphericity. */
+const char* elutriaTerminalVelocity(const char* law, const double grain[2], const double gas[2],
+                                    double gravity, const double* diameter, double* velocity, int n);
+const char* elutriaSettlingSize(const char* law, const double grain[2], const double gas[2],
+                                double gravity, const double limits[2], const double* velocity,
+                                double* diameter, int n);
+
+/* A size distribution: of a law truncated to limits, of a sieve analysis, or of a single size; from
+ * shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its curves
+ * have; free it with elutriaFreeSizes(). */
+typedef struct elutriaSizes elutriaSizes;
+const char* elutriaLawSizes(const char* law, const double* parameters, const double limits[2],
+                            int weighting, elutriaSizes** sizes);
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, int weighting,
+                               elutriaSizes** sizes);
+const char* elutriaSingleSize(double diameter, elutriaSizes** sizes);
+int elutriaSizePoints(const elutriaSizes*);
+double elutriaMeanCube(const elutriaSizes*);
+void elutriaSizeCurves(const elutriaSizes*, double* diameter, double* massFiner,
+                       double* numberFiner);
+void elutriaFreeSizes(elutriaSizes*);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,158 @@
+// Size distributions against integrals of the literature's densities (scipy's quad of the densities
+// in the package `fluids`: pdf_Rosin_Rammler, pdf_lognormal).
+#include "SizeCurves.hpp"
+
+#include "near.hpp"
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+using namespace elutria::laws;
+
+namespace
+{
+
+SizeCurves of(const char* law, std::vector<double> parameters, double min, double max,
+              Weighting weighting = Weighting::mass)
+{
+    return SizeCurves(truncated(*findSizeLaw(law), parameters.data(), min, max), weighting);
+}
+
+double finer(const SizeCurves& sizes, const std::vector<double>& shares, double d)
+{
+    const auto& diameters = sizes.diameters();
+    std::size_t i = 1;
+    while (i + 1 < diameters.size() && diameters[i] < d) ++i;
+    const double s = (d - diameters[i - 1])/(diameters[i] - diameters[i - 1]);
+    return shares[i - 1] + s*(shares[i] - shares[i - 1]);
+}
+
+struct Row
+{
+    double d, mass, number, massOfNumber;
+};
+
+} // namespace
+
+TEST_SUITE("sizes")
+{
+
+TEST_CASE("shares of mass and number are integrals of the density")
+{
+    const struct
+    {
+        const char* law;
+        std::vector<double> parameters;
+        double min, meanCube, meanCubeOfNumber;
+        Row rows[4];
+    } laws[]{
+        {"RosinRammler", {9e-4, 3}, 3e-4, 2.549548644e-10, 7.558581615e-10,
+         {{3.5e-4, 0.02154140, 0.16012282, 0.00099487}, {5e-4, 0.12578880, 0.50984521, 0.01246516},
+          {9e-4, 0.61825093, 0.92037848, 0.26380263}, {15e-4, 0.98989104, 0.99935544, 0.94522134}}},
+        {"logNormal", {5e-4, 1.5}, 1e-4, 5.980645903e-11, 2.584147828e-10,
+         {{3.5e-4, 0.18954978, 0.63074929, 0.01829076}, {5e-4, 0.50013915, 0.88775295, 0.11348436},
+          {9e-4, 0.92671192, 0.99615306, 0.60051555}, {15e-4, 0.99694404, 0.99995846, 0.94535238}}}};
+    for (const auto& law : laws)
+    {
+        CAPTURE(law.law);
+        const SizeCurves mass = of(law.law, law.parameters, law.min, 2e-3);
+        const SizeCurves number = of(law.law, law.parameters, law.min, 2e-3, Weighting::number);
+        for (const Row& row : law.rows)
+        {
+            CAPTURE(row.d);
+            CHECK(std::abs(finer(mass, mass.massFiner(), row.d) - row.mass) < 2e-6);
+            CHECK(std::abs(finer(mass, mass.numberFiner(), row.d) - row.number) < 2e-6);
+            CHECK(std::abs(finer(number, number.numberFiner(), row.d) - row.mass) < 2e-6);
+            CHECK(std::abs(finer(number, number.massFiner(), row.d) - row.massOfNumber) < 2e-6);
+        }
+        CHECK(mass.meanCube() == near(law.meanCube, 1e-6));
+        CHECK(number.meanCube() == near(law.meanCubeOfNumber, 1e-6));
+    }
+}
+
+TEST_CASE("a normal law has its mean in the middle and 68.27 % within a deviation")
+{
+    const SizeCurves sizes = of("normal", {5e-4, 5e-5}, 1e-4, 9e-4);
+    CHECK(sizes.quantileByMass(0.5) == near(5e-4, 1e-6));
+    CHECK(finer(sizes, sizes.massFiner(), 5.5e-4) - finer(sizes, sizes.massFiner(), 4.5e-4)
+          == near(0.6826895, 1e-5));
+}
+
+TEST_CASE("of sizes uniform in number the mass below d goes as d^4")
+{
+    const SizeCurves sizes = of("uniform", {}, 1e-6, 1e-3, Weighting::number);
+    CHECK(finer(sizes, sizes.numberFiner(), 5e-4) == near(0.5, 2e-3));
+    CHECK(finer(sizes, sizes.massFiner(), 5e-4) == near(0.0625, 1e-3));
+}
+
+TEST_CASE("quantiles invert the curves")
+{
+    const SizeCurves sizes = of("RosinRammler", {9e-4, 3}, 3e-4, 2e-3);
+    for (const double u : {0.01, 0.25, 0.5, 0.9})
+    {
+        CHECK(finer(sizes, sizes.massFiner(), sizes.quantileByMass(u)) == near(u, 1e-9));
+        CHECK(finer(sizes, sizes.numberFiner(), sizes.quantileByNumber(u)) == near(u, 1e-9));
+    }
+    CHECK(sizes.quantileByMass(0) == sizes.min());
+    CHECK(sizes.quantileBySize(0.5) == near(std::sqrt(3e-4*2e-3), 1e-3));
+}
+
+TEST_CASE("a sieve analysis is linear between its sieves")
+{
+    const SizeCurves sizes(sieved({1e-4, 2e-4, 4e-4}, {0, 0.3, 1}), Weighting::mass);
+    CHECK(finer(sizes, sizes.massFiner(), 1.5e-4) == near(0.15, 1e-9));
+    CHECK(finer(sizes, sizes.massFiner(), 3e-4) == near(0.65, 1e-9));
+}
+
+TEST_CASE("half of the sizes drawn lie within 1.3 of the focus, and weigh the less")
+{
+    SizeCurves sizes = of("RosinRammler", {9e-4, 3}, 3e-4, 2e-3);
+    const auto mass = [&]
+    {
+        double sum = 0;
+        for (int i = 0; i < 10000; ++i) sum += sizes.massOverEven((i + 0.5)/10000)/10000;
+        return sum;
+    };
+    CHECK(mass() == near(1, 1e-3));
+
+    sizes.focusOn(8e-4);
+    int focused = 0;
+    for (int i = 0; i < 10000; ++i)
+    {
+        const double d = sizes.quantileBySize((i + 0.5)/10000);
+        focused += d > 8e-4/1.3 && d < 8e-4*1.3;
+    }
+    CHECK(focused > 6000);      // half of all, and the even half's share
+    CHECK(mass() == near(1, 1e-3));
+}
+
+TEST_CASE("one size")
+{
+    const SizeCurves sizes(single(5e-4), Weighting::mass);
+    CHECK(sizes.quantileByNumber(0.3) == 5e-4);
+    CHECK(sizes.quantileBySize(0.3) == 5e-4);
+    CHECK(sizes.meanCube() == near(1.25e-10, 1e-9));
+}
+
+TEST_CASE("what is not allowed is named, with its value and what is")
+{
+    const auto complaint = [](const std::function<void()>& work) -> std::string
+    {
+        try { work(); }
+        catch (const std::invalid_argument& error) { return error.what(); }
+        return "";
+    };
+    CHECK(complaint([] { of("RosinRammler", {-9e-4, 3}, 3e-4, 2e-3); })
+          == "d63 is -0.0009, allowed: a number > 0");
+    CHECK(complaint([] { of("logNormal", {5e-4, 0.9}, 1e-4, 2e-3); })
+          == "sigma is 0.9, allowed: a geometric standard deviation > 1");
+    CHECK(complaint([] { of("uniform", {}, 2e-3, 1e-3); })
+          == "min is 0.002 and max is 0.001, allowed: 0 < min < max with some share of the law between");
+    CHECK(complaint([] { sieved({2e-4, 1e-4}, {0, 1}); }) != "");
+    CHECK(complaint([] { sieved({1e-4, 2e-4, 3e-4}, {0, 0.9, 0.8}); }) != "");
+    CHECK(complaint([] { sieved({1e-4, 2e-4}, {0, 0.9}); }) != "");
+    CHECK(complaint([] { single(0); }) != "");
+}
+
+}

@@ -1,0 +1,108 @@
+"""The solver's laws as Python gets them, against `fluids` and against tables of the literature."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fluids import drag as fluids_drag
+
+from elutria import tables
+from elutria.case.case import Case
+from elutria.errors import InputError
+from elutria.estimates.theory import cut_sizes
+from elutria.physics import laws
+from elutria.physics.drag import Gas, drag_coefficient, plug_flow_cut_size, terminal_velocity
+
+AIR = Gas(1.2, 1.8e-5)
+
+# Lapple and Shepherd 1940, doi 10.1021/ie50365a007
+MEASURED = {0.1: 244, 1: 27.2, 10: 4.26, 100: 1.09, 1000: 0.471, 10_000: 0.405}
+
+
+def test_the_standard_curve_is_that_of_fluids() -> None:
+    reynolds = np.geomspace(0.02, 3e5, 60)
+    theirs = [fluids_drag.Clift(re) for re in reynolds.tolist()]
+    assert drag_coefficient("CliftDrag", reynolds) == pytest.approx(theirs, rel=1e-12)
+
+
+def test_haider_and_levenspiel_s_sphere_is_near_their_fit_for_spheres() -> None:
+    for reynolds in (0.1, 1, 10, 100, 1000, 1e4):
+        theirs = fluids_drag.Haider_Levenspiel(reynolds)
+        assert drag_coefficient("HaiderLevenspielDrag", reynolds) == pytest.approx(theirs, rel=0.07)
+
+
+@pytest.mark.parametrize(
+    ("law", "off"), [("Clift", 0.025), ("Schiller-Naumann", 0.1), ("Putnam", 0.12)]
+)
+def test_spheres_have_the_measured_drag(law: str, off: float) -> None:
+    found = drag_coefficient(law, np.array(list(MEASURED)))
+    assert found == pytest.approx(np.array(list(MEASURED.values())), rel=off)
+
+
+@pytest.mark.parametrize("diameter", [2e-5, 2e-4, 2e-3])
+def test_terminal_velocity_is_that_of_fluids(diameter: float) -> None:
+    theirs = fluids_drag.v_terminal(diameter, 2650, AIR.density, AIR.viscosity, Method="Clift")
+    # theirs is of standard gravity
+    ours = terminal_velocity(diameter, 2650, AIR, "Clift", gravity=9.80665)
+    assert ours == pytest.approx(theirs, rel=1e-6)
+
+
+def test_the_cut_settles_at_the_gas_velocity() -> None:
+    for law in laws.drag_laws():
+        size = plug_flow_cut_size(4, 2650, AIR, law, 0.8)
+        assert terminal_velocity(size, 2650, AIR, law, 0.8) == pytest.approx(4, rel=1e-9)
+    assert np.isnan(plug_flow_cut_size(1e4, 2650, AIR))
+
+
+def test_numbers_and_arrays_are_taken_and_unknown_laws_refused() -> None:
+    assert drag_coefficient("GanserDrag", 100.0).shape == ()
+    grid = drag_coefficient("WenYuVoidDrag", np.ones((3, 1)), np.array([1, 0.8]))
+    assert grid.shape == (3, 2)
+    assert (grid[:, 1] > grid[:, 0]).all()
+    with pytest.raises(ValueError, match="no law is named noDrag"):
+        drag_coefficient("noDrag", 1.0)
+
+
+def test_titles_are_those_of_the_forces_and_stock_names_are_known() -> None:
+    titles = [laws.drag_title(name) for name in laws.drag_laws()]
+    assert len(set(titles)) == len(titles) > 8
+    assert laws.drag_title("nonSphereDrag") == "Haider-Levenspiel"
+    assert laws.drag_title("gravity") is None
+
+
+def test_the_columns_that_are_read_are_those_that_are_written() -> None:
+    assert laws.particle_columns() == tuple(tables.EVENTS)
+
+
+def test_without_the_library_results_are_read_and_a_law_is_refused_in_one_line(
+    tmp_path: Path,
+) -> None:
+    code = (
+        "import elutria.classification.classify, elutria.output.plots, elutria.cli\n"
+        "from elutria.physics import laws\n"
+        f"laws.LIBRARY = 'none.so'; laws.__file__ = {str(tmp_path / 'a/b/c/d')!r}\n"
+        "laws.drag_laws()\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=os.environ
+    )
+    last = run.stderr.strip().splitlines()[-1]
+    assert "LawsNotBuilt: none.so: not found" in last
+    assert "source etc/bashrc" in last
+
+
+def test_without_the_library_there_is_no_theory_beside_the_curves(
+    column: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> None:
+        raise laws.LawsNotBuilt("libelutriaLaws.so: not found")
+
+    monkeypatch.setattr(laws, "_library", missing)
+    assert cut_sizes(Case(column), [4.0]) == []
+    with pytest.raises(InputError, match=r"libelutriaLaws\.so"):
+        drag_coefficient("CliftDrag", 1.0)

@@ -1,0 +1,223 @@
+"""The solver's own laws by libelutriaLaws.so (solver/coupling/laws, elutriaLaws.h): written once.
+
+The library is loaded at the first call, not at import: results can be read and drawn without it.
+SI units.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_void_p
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from elutria.errors import InputError
+
+Array = NDArray[np.float64]
+
+LIBRARY = "libelutriaLaws.so"
+_NUMBERS = POINTER(c_double)
+_SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
+    "elutriaDragLaws": (c_char_p, []),
+    "elutriaDragTitle": (c_char_p, [c_char_p]),
+    "elutriaSizeLaws": (c_char_p, []),
+    "elutriaSizeParameters": (c_char_p, [c_char_p]),
+    "elutriaCdRe": (c_char_p, [c_char_p, *[_NUMBERS] * 4, c_int]),
+    "elutriaTerminalVelocity": (
+        c_char_p,
+        [c_char_p, _NUMBERS, _NUMBERS, c_double, _NUMBERS, _NUMBERS, c_int],
+    ),
+    "elutriaSettlingSize": (
+        c_char_p,
+        [c_char_p, _NUMBERS, _NUMBERS, c_double, _NUMBERS, _NUMBERS, _NUMBERS, c_int],
+    ),
+    "elutriaLawSizes": (c_char_p, [c_char_p, _NUMBERS, _NUMBERS, c_int, POINTER(c_void_p)]),
+    "elutriaSievedSizes": (c_char_p, [_NUMBERS, _NUMBERS, c_int, c_int, POINTER(c_void_p)]),
+    "elutriaSingleSize": (c_char_p, [c_double, POINTER(c_void_p)]),
+    "elutriaSizePoints": (c_int, [c_void_p]),
+    "elutriaMeanCube": (c_double, [c_void_p]),
+    "elutriaSizeCurves": (None, [c_void_p, *[_NUMBERS] * 3]),
+    "elutriaFreeSizes": (None, [c_void_p]),
+}
+"""Result and arguments of each function of elutriaLaws.h."""
+
+
+class LawsNotBuilt(InputError):
+    """The library is not there, or not of this version."""
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """The library of the environment, or of the clone that this package lies in."""
+    clone = Path(__file__).resolve().parents[3] / "build/lib" / LIBRARY
+    for place in (LIBRARY, str(clone)):
+        try:
+            library = ctypes.CDLL(place)
+        except OSError:
+            continue
+        try:
+            for name, (result, arguments) in _SIGNATURES.items():
+                function = getattr(library, name)
+                function.restype, function.argtypes = result, arguments
+        except AttributeError as error:
+            raise LawsNotBuilt(
+                f"{LIBRARY}: is of another version ({error}); build it again: solver/Allwmake"
+            ) from error
+        return library
+    raise LawsNotBuilt(
+        f"{LIBRARY}: not found on LD_LIBRARY_PATH or in {clone.parent}; "
+        "allowed: after solver/Allwmake and 'source etc/bashrc'"
+    )
+
+
+def _array(values: ArrayLike) -> Array:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _numbers(values: Array) -> Any:
+    return values.ctypes.data_as(_NUMBERS)
+
+
+def _check(complaint: bytes | None) -> None:
+    if complaint is not None:
+        raise ValueError(complaint.decode())
+
+
+def least_density() -> float:
+    """Density (kg/m3) below which a material of the feed is refused."""
+    return float(c_double.in_dll(_library(), "elutriaLeastDensity").value)
+
+
+def particle_columns() -> tuple[str, ...]:
+    """Columns of particles.csv and inside.csv."""
+    text = c_char_p.in_dll(_library(), "elutriaParticleColumns").value
+    return tuple((text or b"").decode().split(","))
+
+
+def drag_laws() -> list[str]:
+    """Names of the drag laws, as a case's particleForces name them."""
+    names: bytes = _library().elutriaDragLaws()
+    return names.decode().split()
+
+
+def drag_title(force: str) -> str | None:
+    """What a person calls the law of a particle force; None where no law is known."""
+    title: bytes | None = _library().elutriaDragTitle(force.encode())
+    return None if title is None else title.decode()
+
+
+def drag_coefficient(
+    law: str, reynolds: ArrayLike, void: ArrayLike = 1.0, sphericity: ArrayLike = 1.0
+) -> Array:
+    """Cd at a particle Re of the interstitial slip, void fraction and sphericity: arrays of one
+    shape, or numbers. Raises ValueError for a law that is not known."""
+    given = np.broadcast_arrays(_array(reynolds), _array(void), _array(sphericity))
+    re, alpha, shape = (np.ascontiguousarray(values) for values in given)
+    product = np.empty_like(re)
+    _check(
+        _library().elutriaCdRe(
+            law.encode(),
+            *(_numbers(values) for values in (re, alpha, shape, product)),
+            product.size,
+        )
+    )
+    return np.asarray(product / re).reshape(np.broadcast_shapes(np.shape(reynolds),
+                                            np.shape(void), np.shape(sphericity)))  # fmt: skip
+
+
+def terminal_velocities(
+    law: str, diameters: Array, grain: tuple[float, float], gas: tuple[float, float], gravity: float
+) -> Array:
+    """m/s, of grains (density kg/m3, sphericity) in a gas (density, viscosity Pa s); 0: lighter."""
+    diameters = _array(diameters)
+    found = np.empty_like(diameters)
+    _check(
+        _library().elutriaTerminalVelocity(
+            law.encode(), _numbers(_array(grain)), _numbers(_array(gas)), gravity,
+            _numbers(diameters), _numbers(found), found.size,
+        )
+    )  # fmt: skip
+    return found
+
+
+def settling_sizes(
+    law: str,
+    velocities: Array,
+    grain: tuple[float, float],
+    gas: tuple[float, float],
+    gravity: float,
+    limits: tuple[float, float],
+) -> Array:
+    """Sizes (m) between two limits whose terminal velocities these are; 0: there is none."""
+    velocities = _array(velocities)
+    found = np.empty_like(velocities)
+    _check(
+        _library().elutriaSettlingSize(
+            law.encode(), _numbers(_array(grain)), _numbers(_array(gas)), gravity,
+            _numbers(_array(limits)), _numbers(velocities), _numbers(found), found.size,
+        )
+    )  # fmt: skip
+    return found
+
+
+def size_laws() -> dict[str, tuple[str, ...]]:
+    """The size laws by name, and their parameters."""
+    library = _library()
+    names: bytes = library.elutriaSizeLaws()
+    return {
+        name: tuple(library.elutriaSizeParameters(name.encode()).decode().split())
+        for name in names.decode().split()
+    }
+
+
+def law_sizes(
+    law: str, parameters: list[float], low: float, high: float, weighting: str
+) -> tuple[Array, Array, Array, float]:
+    """See _curves. Raises ValueError that says what is allowed."""
+    sizes = c_void_p()
+    _check(
+        _library().elutriaLawSizes(
+            law.encode(), _numbers(_array(parameters)), _numbers(_array([low, high])),
+            int(weighting == "number"), byref(sizes),
+        )
+    )  # fmt: skip
+    return _curves(sizes)
+
+
+def sieved_sizes(
+    diameters: list[float], finer: list[float], weighting: str
+) -> tuple[Array, Array, Array, float]:
+    """Of a sieve analysis, see _curves. Raises ValueError that says what is allowed."""
+    if len(diameters) != len(finer):
+        raise ValueError("diameters, cumulative: allowed: lists of the same length")
+    sizes = c_void_p()
+    at, shares = _array(diameters), _array(finer)
+    _check(
+        _library().elutriaSievedSizes(
+            _numbers(at), _numbers(shares), at.size, int(weighting == "number"), byref(sizes)
+        )
+    )
+    return _curves(sizes)
+
+
+def single_size(diameter: float) -> tuple[Array, Array, Array, float]:
+    """See _curves. Raises ValueError that says what is allowed."""
+    sizes = c_void_p()
+    _check(_library().elutriaSingleSize(diameter, byref(sizes)))
+    return _curves(sizes)
+
+
+def _curves(sizes: c_void_p) -> tuple[Array, Array, Array, float]:
+    """Diameters (m), cumulative shares of mass and of number, and the number mean of d^3 (m3)."""
+    library = _library()
+    try:
+        points = library.elutriaSizePoints(sizes)
+        diameters, mass, number = (np.empty(points) for _ in range(3))
+        library.elutriaSizeCurves(sizes, _numbers(diameters), _numbers(mass), _numbers(number))
+        return diameters, mass, number, float(library.elutriaMeanCube(sizes))
+    finally:
+        library.elutriaFreeSizes(sizes)
