@@ -132,6 +132,23 @@ def test_a_floor_that_moves_drags_a_grain_by_friction(tmp_path: Path, measured) 
         )
 
 
+def test_a_wall_that_gas_flows_through_is_an_inlet_and_does_not_move(tmp_path: Path) -> None:
+    # tutorials have inlets of type wall: their velocity is the gas', the grain stays where it is
+    grain = Particles.of([(0.05, 0.05, 0.5e-3)], [(0, 0, 0)], diameter=1e-3)
+    inlet = {"type": "fixedValue", "value": "uniform (1 0 1)"}
+    box = replace(
+        BOX,
+        cells=(1, 1, 2),
+        gravity=-9.81,
+        contacts=Contacts(Pair(0.8, 0.4)),
+        end=0.02,
+        more={"0.orig/U.air:boundaryField/bottom": inlet},
+    )
+    case = box.make(tmp_path / "inlet", grain)
+    solve(case, 1)
+    assert abs(read_particles(case, "0.02").velocity[0, 0]) < 1e-9
+
+
 def test_walls_may_have_a_law_of_their_own(tmp_path: Path, measured) -> None:
     wall = {**Pair(0.7).entries(), "contactLaw": "linearSpringDashpot"}
     contacts = Contacts(Pair(0.7), treatment="soft", more={"particleWall": wall})

@@ -13,12 +13,49 @@
 namespace Foam
 {
 
+namespace
+{
+
+//- Gas flows through a face: the patch is an inlet or an outlet, though of
+//  type wall
+bool crosses(const vector& velocity, const vector& normal)
+{
+    return sqr(velocity & normal) > 1e-12*magSqr(velocity);
+}
+
+
+//- Velocity of a patch's faces along themselves; 0 where gas flows through
+tmp<vectorField> faceVelocity(const fvPatchVectorField& values)
+{
+    auto tvelocity = tmp<vectorField>::New(values.size(), Zero);
+    if (values.fixesValue())
+    {
+        const vectorField normals(values.patch().nf());
+        forAll(values, facei)
+        {
+            if (!crosses(values[facei], normals[facei]))
+            {
+                tvelocity.ref()[facei] = values[facei];
+            }
+        }
+    }
+    return tvelocity;
+}
+
+} // End anonymous namespace
+
+
 bool anyWallMoves(const volVectorField& U)
 {
     bool moves = false;
     for (const fvPatchVectorField& values : U.boundaryField())
     {
-        if (!isA<wallPolyPatch>(values.patch().patch()) || !values.fixesValue())
+        if
+        (
+            !isA<wallPolyPatch>(values.patch().patch())
+         || !values.fixesValue()
+         || values.empty()
+        )
         {
             continue;
         }
@@ -26,7 +63,9 @@ bool anyWallMoves(const volVectorField& U)
         const bool constant =
             type == "noSlip" || type == "fixedValue"
          || type == "movingWallVelocity";
-        moves = moves || !constant || max(mag(values)()) > 0;
+        const vectorField along(faceVelocity(values));
+        const bool inlet = max(mag(values - along)()) > 0;
+        moves = moves || (constant ? max(mag(along)()) > 0 : !inlet);
     }
     return returnReduce(moves, orOp<bool>());
 }
@@ -40,10 +79,7 @@ std::vector<elutria::dem::WallMotion> wallMotions(const volVectorField& U)
     {
         if (isA<wallPolyPatch>(values.patch().patch()))
         {
-            forAll(values, facei)
-            {
-                own.append(values.fixesValue() ? values[facei] : Zero);
-            }
+            own.append(faceVelocity(values)());
         }
     }
     velocities[Pstream::myProcNo()] = vectorField(own);
