@@ -12,6 +12,7 @@ Description
 
 #include <doctest/doctest.h>
 
+#include "tests/near.H"
 #include "tests/BoxMesh.H"
 #include "averaging/DiffusionKernel.H"
 #include "foam/foamVersion.H"
@@ -94,7 +95,7 @@ TEST_CASE("the deposit is conserved and stays positive")
         field.primitiveFieldRef()[333] = 2;
         const scalar before = integral(field);
         kernel.smooth(field);
-        CHECK(integral(field) == doctest::Approx(before).epsilon(1e-8));
+        CHECK(integral(field) == near(before, 1e-8));
         CHECK(min(field.primitiveField()) > -1e-12);
         CHECK(max(field.primitiveField()) < 2);
     }
@@ -119,7 +120,7 @@ TEST_CASE("a point becomes a distribution of variance width^2")
             second += field[celli]*sqr(x);
         }
         CHECK(mag(first/mass) < 1e-6*side);
-        CHECK(second/mass == doctest::Approx(sqr(width)).epsilon(1e-4));
+        CHECK(second/mass == near(sqr(width), 1e-4));
     }
 }
 
@@ -139,10 +140,7 @@ TEST_CASE("the operator is symmetric: gas and particles exchange the same")
         CHECK
         (
             sum(smoothA.primitiveField()*b.primitiveField())
-         == doctest::Approx
-            (
-                sum(a.primitiveField()*smoothB.primitiveField())
-            ).epsilon(1e-8)
+         == near(sum(a.primitiveField()*smoothB.primitiveField()), 1e-8)
         );
     }
 }
@@ -155,11 +153,11 @@ TEST_CASE("the width follows the largest particle unless it is given")
     CHECK_FALSE(follows.active());
     follows.adapt(2e-3);
     CHECK(follows.active());
-    CHECK(follows.width() == doctest::Approx(3e-3));
+    CHECK(follows.width() == near(3e-3));
 
     DiffusionKernel given(box.mesh(), widthEntry(4e-3));
     given.adapt(2e-3);
-    CHECK(given.width() == doctest::Approx(4e-3));
+    CHECK(given.width() == near(4e-3));
 
     // A kernel much narrower than the cells changes nothing
     DiffusionKernel narrow(box.mesh(), widthEntry(1e-5));

@@ -12,6 +12,7 @@ Description
 
 #include <doctest/doctest.h>
 
+#include "tests/near.H"
 #include "forces/ContinuousDispersion.H"
 #include "tests/BoxMesh.H"
 #include "foam/foamVersion.H"
@@ -77,8 +78,8 @@ TEST_CASE("tracers spread as Taylor's theory says, in one step or in many")
             CAPTURE(time);
             CAPTURE(steps);
             const Process::Spread spread = Process().after(time, steps);
-            CHECK(spread.end == doctest::Approx(1).epsilon(0.04));
-            CHECK(spread.way == doctest::Approx(taylor).epsilon(0.04));
+            CHECK(spread.end == near(1, 0.04));
+            CHECK(spread.way == near(taylor, 0.04));
             CHECK(mag(spread.mean) < 4*std::sqrt(taylor/Process::particles));
         }
     }

@@ -12,6 +12,7 @@ Description
 
 #include <doctest/doctest.h>
 
+#include "tests/near.H"
 #include "laws/SelfInducedVelocity.hpp"
 
 #include <cmath>
@@ -82,7 +83,7 @@ TEST_CASE("slow and wide, it is Stokes' flow of a force spread over a Gaussian")
     const DepositSurroundings gas = air(kernel, 1e-5);
     const double share = selfInducedShare(dragRate, {1e-9, 0, 0}, gas);
     const double stokes = dragRate*velocityOfUnitForce(kernel, gas.mu);
-    CHECK(share == doctest::Approx(stokes).epsilon(1e-4));
+    CHECK(share == near(stokes, 1e-4));
 }
 
 
@@ -92,7 +93,7 @@ TEST_CASE("it grows with the drag, up to half of the slip")
     const DepositMotion motion{1, 0, 0};
     const double once = selfInducedShare(1e-8, motion, gas);
     CHECK(once > 0);
-    CHECK(selfInducedShare(2e-8, motion, gas) == doctest::Approx(2*once));
+    CHECK(selfInducedShare(2e-8, motion, gas) == near(2*once));
     CHECK(selfInducedShare(0, motion, gas) == 0);
     CHECK(selfInducedShare(1, motion, gas) == 0.5);
 }
@@ -142,7 +143,7 @@ TEST_CASE("the part that stays in a cell is that of a walk on the lattice")
         CHECK
         (
             depositKept(kernel, 1)
-         == doctest::Approx(stays*stays*stays).epsilon(1e-3)
+         == near(stays*stays*stays, 1e-3)
         );
     }
     CHECK(depositKept(0, 1) == 1);
@@ -152,7 +153,7 @@ TEST_CASE("the part that stays in a cell is that of a walk on the lattice")
 TEST_CASE("spacing is the cube root of the volume that each parcel has")
 {
     // 1000 parcels of 1 mm3 in 0.1 m3, 1 % of which is their own
-    CHECK(neighbourSpacing(1e-5, 1e-9, 0) == doctest::Approx(std::cbrt(1e-4)));
+    CHECK(neighbourSpacing(1e-5, 1e-9, 0) == near(std::cbrt(1e-4)));
     CHECK
     (
         neighbourSpacing(1e-5, 1e-9, 5e-6) > neighbourSpacing(1e-5, 1e-9, 0)

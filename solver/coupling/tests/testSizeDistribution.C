@@ -12,6 +12,7 @@ Description
 
 #include <doctest/doctest.h>
 
+#include "tests/near.H"
 #include "feed/SizeDistribution.H"
 #include "foam/foamVersion.H"
 #include "StringStream.H"
@@ -60,20 +61,20 @@ TEST_CASE("quantiles by mass are those of the stated law, truncated")
         const scalar d = sizes.quantileByMass(u);
         const scalar truncated =
             (finer(d) - finer(3e-4))/(finer(2e-3) - finer(3e-4));
-        CHECK(truncated == doctest::Approx(u).epsilon(1e-4));
+        CHECK(truncated == near(u, 1e-4));
     }
-    CHECK(sizes.min() == doctest::Approx(3e-4));
-    CHECK(sizes.max() == doctest::Approx(2e-3));
+    CHECK(sizes.min() == near(3e-4));
+    CHECK(sizes.max() == near(2e-3));
 
     const SizeDistribution logNormal
     (
         read("type logNormal; d50 5e-4; sigma 1.5; min 1e-5; max 1e-2;")
     );
-    CHECK(logNormal.quantileByMass(0.5) == doctest::Approx(5e-4).epsilon(1e-4));
+    CHECK(logNormal.quantileByMass(0.5) == near(5e-4, 1e-4));
     CHECK
     (
         logNormal.quantileByMass(0.841344746)
-     == doctest::Approx(1.5*5e-4).epsilon(1e-3)
+     == near(1.5*5e-4, 1e-3)
     );
 }
 
@@ -90,7 +91,7 @@ TEST_CASE("numbers drawn and weighed give back the mass")
         {
             return pow3(sizes.quantileByNumber(u));
         });
-        CHECK(sizes.meanCube() == doctest::Approx(meanCube).epsilon(1e-3));
+        CHECK(sizes.meanCube() == near(meanCube, 1e-3));
 
         // Mass of the draws below the median by mass
         const scalar median = sizes.quantileByMass(0.5);
@@ -99,7 +100,7 @@ TEST_CASE("numbers drawn and weighed give back the mass")
             const scalar d = sizes.quantileByNumber(u);
             return d < median ? pow3(d) : 0;
         });
-        CHECK(below/meanCube == doctest::Approx(0.5).epsilon(2e-3));
+        CHECK(below/meanCube == near(0.5, 2e-3));
     }
 }
 
@@ -116,14 +117,14 @@ TEST_CASE("even sizes carry the mass by their weights")
         CHECK
         (
             meanOverDraws([&](scalar u) { return sizes.massOverEven(u); })
-         == doctest::Approx(1).epsilon(1e-2)
+         == near(1, 1e-2)
         );
         const scalar median = sizes.quantileByMass(0.5);
         const scalar below = meanOverDraws([&](scalar u)
         {
             return sizes.quantileBySize(u) < median ? sizes.massOverEven(u) : 0;
         });
-        CHECK(below == doctest::Approx(0.5).epsilon(1e-2));
+        CHECK(below == near(0.5, 1e-2));
     }
 }
 
@@ -131,17 +132,17 @@ TEST_CASE("even sizes carry the mass by their weights")
 TEST_CASE("half of the even sizes and more lie within 30 % of the focus")
 {
     SizeDistribution sizes(read(rosin));
-    const auto near = [&](scalar u)
+    const auto inFocus = [&](scalar u)
     {
         const scalar d = sizes.quantileBySize(u);
         return d > 8e-4/1.3 && d < 8e-4*1.3 ? 1.0 : 0.0;
     };
-    const scalar before = meanOverDraws(near);
+    const scalar before = meanOverDraws(inFocus);
     sizes.focusOn(8e-4);
     CHECK
     (
-        meanOverDraws(near)
-     == doctest::Approx(0.5 + 0.5*before).epsilon(1e-2)
+        meanOverDraws(inFocus)
+     == near(0.5 + 0.5*before, 1e-2)
     );
 
     // Where there is no mass nothing changes
@@ -158,12 +159,12 @@ TEST_CASE("a sieve analysis is linear between its sieves; one size is one size")
     (
         read("type table; diameters (1e-4 2e-4 4e-4); cumulative (0 0.25 1);")
     );
-    CHECK(sieves.quantileByMass(0.25) == doctest::Approx(2e-4).epsilon(1e-3));
-    CHECK(sieves.quantileByMass(0.625) == doctest::Approx(3e-4).epsilon(1e-3));
+    CHECK(sieves.quantileByMass(0.25) == near(2e-4, 1e-3));
+    CHECK(sieves.quantileByMass(0.625) == near(3e-4, 1e-3));
 
     const SizeDistribution one(read("type fixedValue; value 5e-4;"));
-    CHECK(one.quantileByNumber(0.3) == doctest::Approx(5e-4));
-    CHECK(one.meanCube() == doctest::Approx(1.25e-10));
+    CHECK(one.quantileByNumber(0.3) == near(5e-4));
+    CHECK(one.meanCube() == near(1.25e-10));
 }
 
 

@@ -11,6 +11,7 @@ Description
 
 #include <doctest/doctest.h>
 
+#include "tests/near.H"
 #include "tests/BoxMesh.H"
 #include "averaging/SolidFraction.H"
 #include "foam/foamVersion.H"
@@ -59,7 +60,7 @@ TEST_CASE("the field holds the volume that was added, anew each time")
         solids.clear();
         const scalar added = addSome(solids, box.mesh(), 1e-10);
         const scalar held = integral(solids.finish(1));
-        CHECK(held == doctest::Approx(added).epsilon(1e-8));
+        CHECK(held == near(added, 1e-8));
         CHECK(solids.excessVolume() == 0);
         CHECK(min(solids.field().primitiveField()) >= -1e-12);
     }
@@ -77,9 +78,9 @@ TEST_CASE("what is above the maximum is counted, not lost")
     const point middle(box.mesh().C()[21]);
     solids.add(21, middle, 0.9e-9, 1e-3);
     const scalar inField = integral(solids.finish(0.6));
-    CHECK(max(solids.field().primitiveField()) == doctest::Approx(0.6));
-    CHECK(solids.excessVolume() == doctest::Approx(0.3e-9));
-    CHECK(inField + solids.excessVolume() == doctest::Approx(0.9e-9));
+    CHECK(max(solids.field().primitiveField()) == near(0.6));
+    CHECK(solids.excessVolume() == near(0.3e-9));
+    CHECK(inField + solids.excessVolume() == near(0.9e-9));
 }
 
 
@@ -92,7 +93,7 @@ TEST_CASE("arrivals and departures add up until they are forgotten")
     solids.arrive(0, box.mesh().C()[0], 5e-10);
     solids.arrive(124, box.mesh().C()[124], -2e-10);
     const scalar arrived = integral(solids.arrivedFraction()());
-    CHECK(arrived == doctest::Approx(3e-10).epsilon(1e-8));
+    CHECK(arrived == near(3e-10, 1e-8));
     solids.forgetArrivals();
     CHECK(integral(solids.arrivedFraction()()) == 0);
 }
