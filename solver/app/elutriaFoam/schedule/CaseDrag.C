@@ -42,7 +42,7 @@ CaseDrag::CaseDrag(const dictionary& cloudProperties)
             law_ = law;
             if (force.isDict() && force.keyword() == "nonSphereDrag")
             {
-                sphericity_ = force.dict().getOrDefault<scalar>("phi", 0);
+                sphericity_ = force.dict().get<scalar>("phi");
             }
         }
     }
