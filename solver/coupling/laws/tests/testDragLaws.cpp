@@ -1,4 +1,5 @@
-// Drag laws against measured and tabulated values of the literature, never against a formula retyped.
+// Drag laws against published values, deviations and limits. The tool's tests hold them to values
+// that other codes tabulate.
 #include "DragLaws.hpp"
 
 #include "near.hpp"
@@ -10,18 +11,6 @@ using namespace elutria::laws;
 
 namespace
 {
-
-struct Measured
-{
-    double Re, Cd;
-};
-
-/// A sphere's drag: Lapple & Shepherd 1940, doi 10.1021/ie50365a007, table of recommended values
-constexpr Measured sphere[]{
-    {0.1, 244}, {0.2, 124}, {0.3, 83.8}, {0.5, 51.5}, {0.7, 37.6}, {1, 27.2}, {2, 14.8}, {3, 10.5},
-    {5, 7.03}, {7, 5.48}, {10, 4.26}, {20, 2.72}, {30, 2.12}, {50, 1.57}, {70, 1.31}, {100, 1.09},
-    {200, 0.776}, {300, 0.653}, {500, 0.555}, {700, 0.508}, {1000, 0.471}, {2000, 0.421},
-    {3000, 0.400}, {5000, 0.385}, {7000, 0.390}, {10000, 0.405}};
 
 double Cd(const char* law, double Re, double alpha = 1, double sphericity = 1)
 {
@@ -35,30 +24,41 @@ double Cd(const char* law, double Re, double alpha = 1, double sphericity = 1)
 TEST_SUITE("drag laws")
 {
 
-TEST_CASE("each law of spheres follows the measured drag as closely as is known of it")
-{
-    // law, up to Re, largest deviation there
-    const struct { const char* law; double to, off; } known[]{
-        {"CliftDrag", 1e4, 0.025},
-        {"SchillerNaumannDrag", 700, 0.06}, {"SchillerNaumannDrag", 1e4, 0.15},
-        {"sphereDrag", 700, 0.08}, {"sphereDrag", 1e4, 0.11},
-        {"HaiderLevenspielDrag", 1e4, 0.1},
-        {"GanserDrag", 1e4, 0.28},
-        {"DiFeliceDrag", 1e4, 0.31}};
-    for (const auto& k : known)
-        for (const Measured& m : sphere)
-            if (m.Re <= k.to)
-            {
-                CAPTURE(k.law);
-                CAPTURE(m.Re);
-                CHECK(Cd(k.law, m.Re) == near(m.Cd, k.off));
-            }
-}
+// The standard curve of Clift, Grace and Weber 1978, Bubbles, Drops and Particles, at these Re
+constexpr double reynolds[]{0.5, 50, 500, 2500}, standardCurve[]{51.54, 1.574, 0.5549, 0.4082};
 
 TEST_CASE("the standard curve of Clift, Grace and Weber in four of its pieces")
 {
-    const Measured curve[]{{0.5, 51.54}, {50, 1.574}, {500, 0.5549}, {2500, 0.4082}};
-    for (const Measured& m : curve) CHECK(Cd("CliftDrag", m.Re) == near(m.Cd, 1e-3));
+    // 5e-4: they give it in four digits
+    for (int i = 0; i < 4; ++i) CHECK(Cd("CliftDrag", reynolds[i]) == near(standardCurve[i], 5e-4));
+}
+
+TEST_CASE("laws of spheres leave the standard curve by as much as is known of them")
+{
+    const struct { const char* law; double percent[4]; } known[]{
+        {"SchillerNaumannDrag", {1.8, -2.3, 1.4, 7.8}},
+        {"sphereDrag", {2.9, -0.5, -0.5, 3.9}},
+        {"DiFeliceDrag", {6.8, 8.8, 28.6, 29.1}}};
+    for (const auto& k : known)
+        for (int i = 0; i < 4; ++i)
+        {
+            CAPTURE(k.law);
+            CAPTURE(reynolds[i]);
+            // 0.1: the deviations are given in tenths, the curve to 0.05 %
+            const double percent = 100*(Cd(k.law, reynolds[i])/standardCurve[i] - 1);
+            CHECK(std::abs(percent - k.percent[i]) < 0.1);
+        }
+}
+
+TEST_CASE("drag is Newton's above Re 1000, and nearly continuous there")
+{
+    for (const char* law : {"SchillerNaumannDrag", "sphereDrag"})
+    {
+        CAPTURE(law);
+        CHECK(Cd(law, 1001) == near(Cd(law, 1e5), 1e-12));
+        // Schiller and Naumann's 0.44 has two digits: the curve ends within 0.005 of it
+        CHECK(std::abs(Cd(law, 999) - Cd(law, 1001)) < 0.005);
+    }
 }
 
 TEST_CASE("all laws of single spheres end in Stokes' drag, 24/Re")
@@ -67,7 +67,8 @@ TEST_CASE("all laws of single spheres end in Stokes' drag, 24/Re")
                             "GanserDrag", "WenYuVoidDrag", "GidaspowDrag", "BeetstraDrag"})
     {
         CAPTURE(law);
-        CHECK(1e-6*Cd(law, 1e-6) == near(24, 2e-3));
+        // 1e-4: what inertia adds at this Re is less than 0.2 Re^0.64
+        CHECK(1e-6*Cd(law, 1e-6) == near(24, 1e-4));
     }
 }
 
@@ -94,56 +95,75 @@ TEST_CASE("a law's range reaches below void fraction 0.9 where it knows of the v
 
 TEST_CASE("a packed bed's drag is Ergun's pressure drop")
 {
-    // 1 mm spheres in air at void fraction 0.42, 0.4 m/s superficial; dp/L by Ergun 1952
-    const double d = 1e-3, alpha = 0.42, mu = 1.8e-5, rho = 1.2, superficial = 0.4;
-    const double solid = 1 - alpha;
-    const double drop = 150*mu*superficial*solid*solid/(d*d*alpha*alpha*alpha)
-                      + 1.75*rho*superficial*superficial*solid/(d*alpha*alpha*alpha);
+    // 1 mm spheres in air, 0.4 m/s superficial; dp/L by Ergun 1952
+    const double d = 1e-3, mu = 1.8e-5, rho = 1.2, superficial = 0.4;
+    for (const double alpha : {0.42, 0.79})
+    {
+        const double solid = 1 - alpha;
+        const double drop = 150*mu*superficial*solid*solid/(d*d*alpha*alpha*alpha)
+                          + 1.75*rho*superficial*superficial*solid/(d*alpha*alpha*alpha);
 
-    const double slip = superficial/alpha, Re = rho*slip*d/mu;
-    const double perVolume = 0.75*mu*slip/(d*d)*Cd("GidaspowDrag", Re, alpha)*Re;
-    CHECK(solid*perVolume == near(drop, 1e-12));
+        const double slip = superficial/alpha, Re = rho*slip*d/mu;
+        const double perVolume = 0.75*mu*slip/(d*d)*Cd("GidaspowDrag", Re, alpha)*Re;
+        CHECK(solid*perVolume == near(drop, 1e-12));
+    }
 }
 
-TEST_CASE("a suspension settles as Richardson and Zaki measured")
+TEST_CASE("Gidaspow's drag is Wen and Yu's from void fraction 0.8 on")
 {
-    // u = v alpha^n, n = 4.45 Re^-0.1 for 1 < Re < 500 (Richardson & Zaki 1954); Re of the single
-    // sphere, u superficial. In our gas equation the drag carries weight less buoyancy.
-    // Not Beetstra's: that is of spheres held in place, which lets less gas through.
-    const struct { const char* law; double off; } known[]{
-        {"WenYuVoidDrag", 0.22}, {"DiFeliceDrag", 0.075}};
-    for (const auto& k : known)
-        for (const double Re : {5.0, 50.0, 300.0})
-            for (const double alpha : {0.6, 0.7, 0.8})
-            {
-                const double carried = Cd(k.law, Re)*Re*Re;
-                double low = 1e-3*Re, high = Re;      // of the slip between the others
-                for (int i = 0; i < 60; ++i)
-                {
-                    const double middle = 0.5*(low + high);
-                    (Cd(k.law, middle, alpha)*middle*middle < carried ? low : high) = middle;
-                }
-                CAPTURE(k.law);
-                CAPTURE(Re);
-                CAPTURE(alpha);
-                CHECK(alpha*low/Re
-                      == near(std::pow(alpha, 4.45*std::pow(Re, -0.1)), k.off));
-            }
+    for (const double alpha : {0.8, 0.81, 0.95})
+        CHECK(Cd("GidaspowDrag", 30, alpha) == Cd("WenYuVoidDrag", 30, alpha));
 }
 
-TEST_CASE("Beetstra's drag in a packed bed is Ergun's, within what both are known to")
+/// n of a suspension that settles with u = v alpha^n, u superficial, Re of the single sphere. In our
+/// gas equation the drag carries weight less buoyancy.
+double settlingExponent(const char* law, double Re, double alpha)
 {
-    for (const double alpha : {0.4, 0.45, 0.5})
-        for (const double superficial : {1.0, 10.0, 100.0, 500.0})
-            CHECK(Cd("BeetstraDrag", superficial/alpha, alpha)
-                  == near(Cd("GidaspowDrag", superficial/alpha, alpha), 0.3));
+    const double carried = Cd(law, Re)*Re*Re;
+    double low = 1e-3*Re, high = Re;      // of the slip between the others
+    for (int i = 0; i < 60; ++i)
+    {
+        const double middle = 0.5*(low + high);
+        (Cd(law, middle, alpha)*middle*middle < carried ? low : high) = middle;
+    }
+    return std::log(alpha*low/Re)/std::log(alpha);
 }
 
-TEST_CASE("Beetstra's creeping flow through a dense array is Carman and Kozeny's")
+TEST_CASE("a suspension by Wen and Yu settles as measured where viscosity or inertia rules")
 {
-    // F_total = 10 phi/alpha^3 (k = 5); Beetstra's F without the pressure's part is alpha of it
-    const double alpha = 0.5, F = 1e-6*Cd("BeetstraDrag", 1e-6, alpha)/24;
-    CHECK(F/alpha == near(10*0.5/(alpha*alpha*alpha), 0.05));
+    for (const double alpha : {0.6, 0.7, 0.8})
+    {
+        // Richardson and Zaki 1954 measured n = 4.65 below Re 0.2; 1e-4: inertia, as above
+        CHECK(settlingExponent("WenYuVoidDrag", 1e-6, alpha) == near(4.65, 1e-4));
+        // drag goes as the velocity squared: half of Wen and Yu's 4.7, which has one decimal
+        CHECK(std::abs(2*settlingExponent("WenYuVoidDrag", 1e5, alpha) - 4.7) < 0.0501);
+    }
+}
+
+TEST_CASE("Di Felice's exponent is 3.7 in creeping and in fast flow, 3.05 at Re 32")
+{
+    // Di Felice 1994: drag on a sphere at the same superficial Re goes as alpha^-exponent
+    const struct { double Re, exponent; } published[]{{1e-6, 3.7}, {31.62, 3.05}, {1e9, 3.7}};
+    for (const auto& p : published)
+        for (const double alpha : {0.5, 0.8})
+        {
+            const double force = Cd("DiFeliceDrag", p.Re/alpha, alpha)/alpha;    // Cd Re over p.Re
+            CHECK(-std::log(force/Cd("DiFeliceDrag", p.Re))/std::log(alpha)
+                  == near(p.exponent, 1e-4));
+        }
+}
+
+TEST_CASE("Beetstra's creeping flow through a dense array is Carman and Kozeny's and little more")
+{
+    // F = 10 phi/alpha^2 (k = 5) of a packed bed; what the fit adds fades with alpha^2, and is at
+    // most 2.5 alpha^2: 1 of the single sphere, 1.5 of its first neighbours
+    for (const double alpha : {0.4, 0.5, 0.6})
+    {
+        const double F = 1e-6*Cd("BeetstraDrag", 1e-6, alpha)/24;
+        const double packed = 10*(1 - alpha)/(alpha*alpha);
+        CHECK(F > packed);
+        CHECK(F < packed + 2.5*alpha*alpha);
+    }
 }
 
 TEST_CASE("OpenFOAM's names of the same laws are known, and others are not")
