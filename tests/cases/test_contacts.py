@@ -135,7 +135,7 @@ def test_a_floor_that_moves_drags_a_grain_by_friction(tmp_path: Path, measured) 
 def test_a_wall_that_gas_flows_through_is_an_inlet_and_does_not_move(tmp_path: Path) -> None:
     # tutorials have inlets of type wall: their velocity is the gas', the grain stays where it is
     grain = Particles.of([(0.05, 0.05, 0.5e-3)], [(0, 0, 0)], diameter=1e-3)
-    inlet = {"type": "fixedValue", "value": "uniform (1 0 1)"}
+    inlet = {"type": "fixedValue", "value": [1, 0, 1]}
     box = replace(
         BOX,
         cells=(1, 1, 2),
