@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from elutria import tables
 from elutria.classification.events import join, read_run
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import set_entry
@@ -64,13 +62,6 @@ def test_materials_of_several_files_are_told_apart(finished: Path) -> None:
     events = read_run(finished).events
     assert len(events.of_material("magnetite")) == len(rows) - 1_000
     assert len(events.of_material("quartz")) == 1_000 + 20  # those inside
-
-
-def test_the_solver_writes_the_columns_that_are_read() -> None:
-    sources = Path(__file__).resolve().parents[3] / "solver"
-    texts = [file.read_text() for file in sources.rglob("Ledger.C") if not file.is_symlink()]
-    joined = "".join(re.sub(r'"\s*"', "", text) for text in texts)
-    assert f'"{",".join(tables.EVENTS)}' in joined
 
 
 def test_tables_of_several_times_are_joined(finished: Path) -> None:

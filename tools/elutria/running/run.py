@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from elutria.case.case import Case, Setting
-from elutria.classification.events import read_run
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in
@@ -96,6 +95,8 @@ def run_case(
     run in the folder `neighbour`, where that has settled. Raises InputError before anything
     is run, ElutriaError with the solver's reason when it fails.
     """
+    from elutria.classification.events import read_run  # pandas, which a check does not need
+
     settings = list(settings)
     fingerprint = case.fingerprint(settings, np)
     with _lock(folder):
