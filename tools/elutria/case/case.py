@@ -9,7 +9,7 @@ import hashlib
 import math
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,10 @@ from elutria.physics.laws import drag_title
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
+CLOSED = (
+    "wall", "symmetry", "symmetryPlane", "empty", "wedge", "cyclic", "cyclicAMI", "cyclicACMI",
+)  # fmt: skip
+"""Types of patches through which nothing leaves."""
 
 # what a run leaves behind, not part of the case
 _LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
@@ -87,7 +91,26 @@ class Case:
                     f"{shown}: {entry}: no patch '{patch}' in {source}"
                     f"{suggestion(patch, patches)}; allowed: {', '.join(patches)}"
                 )
+            kind = patches.get(patch, "")
+            if entry != "patch" and kind in CLOSED:
+                raise InputError(
+                    f"{shown}: {entry}: '{patch}' has the type {kind} in {source}, through which "
+                    "nothing leaves; allowed: a patch of type patch"
+                )
+        without = set(patches) - {patch for entry, patch in named if entry != "patch"}
+        for patch in sorted(without):
+            if patches[patch] == "patch" and self._leave_where_open():
+                raise InputError(
+                    f"{shown}: outlets: the open patch '{patch}' of {source} belongs to no "
+                    "product, and particles that leave through it would be lost; allowed: its "
+                    "name in fines or coarse, or the type wall in the mesh"
+                )
         return feed
+
+    def _leave_where_open(self) -> bool:
+        """Whether particles leave through every open patch: no model turns them back there."""
+        models = self.cloud().sub("subModels")
+        return models.raw("patchInteractionModel", "none") in ("none", "standardWallInteraction")
 
     def velocity(self) -> float:
         """Gas velocity (m/s) of system/simulationParameters: finite, above 0."""
@@ -139,8 +162,9 @@ class Case:
             )
         return self.dictionary(f"constant/{found[0].name}")
 
-    def patches(self) -> tuple[str, list[str]]:
-        """The file that names the mesh's patches, and their names; none when not known yet."""
+    def patches(self) -> tuple[str, dict[str, str]]:
+        """The file that names the mesh's patches, and each with its type; none when not known
+        yet."""
         mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
         if (self.path / mesh).is_file():
             source, entries = mesh, read_list(self.path / mesh, self.path)
@@ -150,8 +174,8 @@ class Case:
             source = plan
             entries = self.dictionary(plan, with_included=True).raw("boundary", [])
         else:
-            return "", []
-        return source, [str(entry[0]) for entry in entries if isinstance(entry, tuple)]
+            return "", {}
+        return source, {str(e[0]): _patch_type(e[1]) for e in entries if isinstance(e, tuple)}
 
     def check_mesh(self) -> None:
         """Raise InputError unless there is a plan of the mesh, or a complete mesh."""
@@ -227,6 +251,11 @@ class Case:
             digest.update(path.read_bytes() + b"\0")
         digest.update(repr([*settings, np]).encode())
         return digest.hexdigest()
+
+
+def _patch_type(patch: object) -> str:
+    """What a mesh's file says of a patch; empty where it says nothing."""
+    return str(patch.get("type", "")) if isinstance(patch, Mapping) else ""
 
 
 def _is_time(name: str) -> bool:
