@@ -105,7 +105,7 @@ def numbers_of(plan: dict[str, Any]) -> list[str]:
     expected = plan["expected"]
     return [
         f"{expected['collisions']:.3g}",
-        f"{100 * expected['gas_change']:.3g} %",
+        f"{100 * expected['gas_change']:.2g} %",
         f"{expected['solid_fraction']:.3g}",
         f"{expected['loading']:.3g} kg",
     ]

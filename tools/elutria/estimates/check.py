@@ -163,7 +163,7 @@ def _expected(plan: dict[str, Any]) -> Table:
     change, tolerance = expected["gas_change"], gas["changes_at"]
     rests = change is not None and change < tolerance
     table.add_row(
-        "particles slow the gas by", _known(None if change is None else 100 * change, "{:.3g} %"),
+        "particles slow the gas by", _known(None if change is None else 100 * change, "{:.2g} %"),
         "gas rests after it has settled (one-way)" if rests
         else f"gas is solved again after each change of {100 * tolerance:g} %",
     )  # fmt: skip
