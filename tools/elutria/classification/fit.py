@@ -68,15 +68,6 @@ class CurveFit:
         inner = self.model.share(diameter / exp(self.log_diameter), self.log_shape)
         return self.bypass + (1 - self.bypass) * inner
 
-    def diameter_at(self, share: float) -> float:
-        """Diameter (m) where T is `share`; nan where the bypass lies above it."""
-        if self.model is None:
-            return exp(self.log_diameter)
-        if self.bypass >= share:
-            return nan
-        inner = (share - self.bypass) / (1 - self.bypass)
-        return exp(self.log_diameter + self.model.log_x_at(inner, self.log_shape))
-
     def finest_is_seen(self, smallest: float) -> bool:
         """Whether the curve without its bypass is below 5 % at the smallest size (m)."""
         if self.model is None:
