@@ -11,6 +11,7 @@ Description
 
 #include "schedule/ScenePlan.H"
 #include "schedule/Json.H"
+#include "run/exitHandling.H"
 #include "foam/foamVersion.H"
 #include "OSspecific.H"
 #include "processorPolyPatch.H"
@@ -297,6 +298,7 @@ void ScenePlan::writePlan
         {"warnings", json::list(warnings)}
     });
 
+    exitHandling::caseIsRead();
     if (Pstream::master())
     {
         const fileName folder(runTime.globalPath()/"postProcessing");
