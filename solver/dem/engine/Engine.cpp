@@ -1,5 +1,6 @@
 #include "engine/Engine.hpp"
 
+#include "core/TooMuchWork.hpp"
 #include "core/text.hpp"
 #include "islands/AdaptiveIntegrator.hpp"
 #include "soft/SoftIntegrator.hpp"
@@ -25,8 +26,8 @@ struct Engine::Implementation
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
         laws(settings, materials), soft(settings, laws, walls),
         adaptive(settings, materials, laws, walls, soft,
-               [this](const Particles& p)
-               { return settings.step > 0 ? settings.step : stepLimit(p, 0); })
+               [this](const Particles& p, double speed)
+               { return settings.step > 0 ? settings.step : stepLimit(p, speed); })
     {}
 
     bool softOnly() const { return settings.treatment == ContactTreatment::soft; }
@@ -160,6 +161,7 @@ StepReport Engine::advance(Particles& particles, double duration)
         const double limit =
             self_->settings.step > 0 ? self_->settings.step : stepLimit(particles);
         const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
+        refuseTooMuchWork(duration, steps, particles.size());
         self_->soft.run(particles, duration, std::size_t(steps), report);
     }
     else

@@ -1,6 +1,7 @@
 #include "engine/GuardedEngine.hpp"
 
 #include "core/ParticleName.hpp"
+#include "core/TooMuchWork.hpp"
 #include "core/text.hpp"
 
 #include <algorithm>
@@ -109,6 +110,12 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
         {
             report = engine_->advance(particles, duration);
             trouble = unsound(before, particles, duration);
+        }
+        catch (const TooMuchWork&)
+        {
+            particles = before;
+            engine_->importContacts(history);
+            throw;
         }
         catch (const std::exception& error)
         {

@@ -25,7 +25,7 @@ ImpactBody bodyOf(const ParticleState& t)
 
 
 double EventDriven::run(std::vector<ParticleState>& members, double begin, double end,
-                        std::uint64_t seed, std::vector<Path>& segments)
+                        std::uint64_t seed, std::vector<Path>& segments, double mostImpacts)
 {
     members_ = &members, paths_ = &segments, end_ = end, seed_ = seed;
     impacts_ = 0;
@@ -50,7 +50,8 @@ double EventDriven::run(std::vector<ParticleState>& members, double begin, doubl
         queue_.pop_back();
         if (next.versionA != states_[next.a].version) continue;
         if (next.b != wall && next.versionB != states_[next.b].version) continue;
-        const Verdict verdict = next.handOver ? Verdict::handOver : carryOut(next);
+        const bool stop = next.handOver || double(impacts_) > mostImpacts;
+        const Verdict verdict = stop ? Verdict::handOver : carryOut(next);
         if (verdict == Verdict::done) continue;
         reached = verdict == Verdict::crowded ? goBack() : next.time;
         break;

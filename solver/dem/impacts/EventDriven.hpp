@@ -31,9 +31,10 @@ public:
     {}
 
     /// Members are at `begin`; on return they are at the time returned: `end`, or the time of
-    /// hand-over. `segments[i]` gets each new segment of member i's path. `seed`: of the stochastic collisions.
+    /// hand-over, at the latest after `mostImpacts`. `segments[i]` gets each new segment of member
+    /// i's path. `seed`: of the stochastic collisions.
     double run(std::vector<ParticleState>& members, double begin, double end, std::uint64_t seed,
-               std::vector<Path>& segments);
+               std::vector<Path>& segments, double mostImpacts = 1e300);
 
     std::size_t impacts() const { return impacts_; }
     /// That the impacts would have had, over the radius.

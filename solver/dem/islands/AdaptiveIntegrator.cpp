@@ -1,6 +1,8 @@
 #include "islands/AdaptiveIntegrator.hpp"
 
 #include "core/Stopwatch.hpp"
+#include "core/TooMuchWork.hpp"
+#include "core/text.hpp"
 #include "core/forEach.hpp"
 #include "impacts/StochasticCollisions.hpp"
 #include "islands/OverlapSeparation.hpp"
@@ -20,6 +22,8 @@ constexpr std::size_t softCrowd = 32;        // the same with lasting contacts a
 constexpr int mostCuts = 12;                 // halvings of a step
 constexpr double fewSubSteps = 24;           // a shorter step takes the soft law for all
 constexpr int separationRounds = 5;
+constexpr double mostOverSoft = 4;           // work of a step over that of the soft law for all
+constexpr double workOfSearch = 4;           // of a particle, in sub-steps
 
 } // namespace
 
@@ -60,13 +64,15 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
 {
     if (particles.size() == 0) return;
     const bool forced = settings_.treatment == ContactTreatment::impact;
-    const double softStep = stepLimit_(particles);
+    const double softStep = stepLimit_(particles, 0);
     // from the state alone, so that a restart decides alike
     if (!forced && (duration <= fewSubSteps*softStep || 2*contactEnds_ > particles.size()))
         return runSoft(particles, duration, report);
     if (softRules_) importContacts(soft_.exportContacts());
 
     states_.load(particles);
+    workLeft_ = std::min(mostOverSoft*duration/softStep*(double(particles.size()) + 20),
+                         TooMuchWork::most);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
     double done = 0, length = whole;
     while (done < whole)
@@ -81,6 +87,11 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
                 break;
             case Outcome::contactsRule:
                 states_.store(particles);
+                if (workLeft_ < 0)
+                    report.warnings.push_back("Impacts and contacts of a step took more than "
+                        + text(mostOverSoft) + " times the work of contact steps for all: the rest "
+                        "of it took those, in which parcels that stand for several particles do not "
+                        "collide. Lower deltaT, or feed fewer particles.");
                 return runSoft(particles, duration*(1 - done/whole), report);
             case Outcome::done:
                 done += length;
@@ -100,7 +111,8 @@ void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepRepo
     const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
     useSoft();
     const double steps =
-        std::max(1.0, std::ceil(duration/stepLimit_(particles)*(1 - 1e-12)));
+        std::max(1.0, std::ceil(duration/stepLimit_(particles, 0)*(1 - 1e-12)));
+    refuseTooMuchWork(duration, steps, particles.size());
     soft_.run(particles, duration, std::size_t(steps), report);
     for (std::size_t i = 0; i < before.size(); ++i)
         particles.dragImpulse.set(i, particles.dragImpulse[i] + before[i]);
@@ -113,7 +125,7 @@ void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepRepo
 AdaptiveIntegrator::Outcome AdaptiveIntegrator::advancePiece(double duration, std::uint64_t seed,
                                                              bool mayCut, StepReport& report)
 {
-    const Piece piece{states_.all(), contacts_, duration, seed};
+    const Piece piece{states_.all(), contacts_, duration, seed, workLeft_};
     const bool forced = settings_.treatment == ContactTreatment::impact;
     {
         const Stopwatch watch(report.searchSeconds);
@@ -131,11 +143,22 @@ AdaptiveIntegrator::Outcome AdaptiveIntegrator::advancePiece(double duration, st
     do
     {
         steppers_.run(piece, partition_.islands, toStep_, results_);
+        workLeft_ -= workOf(toStep_);
+        if (workLeft_ < 0) return Outcome::contactsRule;
         if (mayCut && crowds()) return Outcome::tooLong;
     }
     while (mergeWhatMeets(piece, report));
     finishPiece(piece, report);
     return Outcome::done;
+}
+
+
+/// Of the islands just stepped, and of the search for what they meet.
+double AdaptiveIntegrator::workOf(const std::vector<std::uint32_t>& islands) const
+{
+    double sum = workOfSearch*double(states_.size());
+    for (const std::uint32_t k : islands) sum += results_[k].work();
+    return sum;
 }
 
 

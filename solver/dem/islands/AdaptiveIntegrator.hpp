@@ -30,7 +30,8 @@ namespace elutria::dem
 ///
 /// A step too long for its density, where candidates crowd, is cut into halves. Where most particles
 /// touch, halving no longer helps, or the step is but a few sub-steps long, all take the soft law,
-/// until few touch.
+/// until few touch. So do they for the rest of a step that has taken several times the work of that:
+/// no input makes a step endless. What would take too much even so is refused (TooMuchWork).
 class AdaptiveIntegrator
 {
 public:
@@ -52,6 +53,7 @@ private:
     enum class Outcome { done, tooLong, contactsRule };
 
     void runSoft(Particles& particles, double duration, StepReport& report);
+    double workOf(const std::vector<std::uint32_t>& islands) const;
     Outcome advancePiece(double duration, std::uint64_t seed, bool mayCut, StepReport& report);
     bool findCandidates(const Piece& piece, StepReport& report);
     bool crowds() const;
@@ -66,6 +68,7 @@ private:
 
     ParticleStates states_;
     SortedContacts contacts_;
+    double workLeft_ = 0;                      // of the step, sub-steps or impacts times particles
     bool softRules_ = false;                   // the soft integrator steps and holds the history
     std::size_t contactEnds_ = 0;              // sides in contact: two per pair, one per wall
 

@@ -16,6 +16,8 @@ constexpr double chunkSteps = 32;            // sub-steps between looks at what 
 constexpr std::size_t smallIsland = 256;
 constexpr std::size_t manyIslands = 32;      // worth a second thread
 constexpr double chunksOfLarge = 16;         // a large island is looked at this often per step
+constexpr std::size_t longContact = 4096;    // sub-steps after which contacts are looked at closer
+constexpr double slowest = 1e-9;             // m/s
 
 Settings forIslands(Settings settings)
 {
@@ -44,6 +46,8 @@ void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& 
     result.shortestStep = 1e300;
     result.largestOverlap = result.impactSeconds = result.softSeconds = 0;
     result.contacts.clear();
+    result.finished = true;
+    const double impactsAllowed = piece.work/(double(result.end.size()) + 20);
 
     double time = 0;
     bool touching = island.touching;
@@ -56,10 +60,13 @@ void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& 
     }
     while (time < duration)
     {
+        result.finished = result.work() <= piece.work;
+        if (!result.finished) return;
         if (!touching)
         {
             const Stopwatch watch(result.impactSeconds);
-            time = events_.run(result.end, time, duration, piece.seed, result.paths);
+            time = events_.run(result.end, time, duration, piece.seed, result.paths,
+                               impactsAllowed);
             result.impacts += events_.impacts();
             result.largestOverlap = std::max(result.largestOverlap, events_.largestOverlap());
         }
@@ -104,10 +111,68 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
 }
 
 
+/// Whether a member comes near a wall within `time`.
+bool IslandStepper::meetsWalls(double time) const
+{
+    for (std::size_t i = 0; i < gathered_.size(); ++i)
+    {
+        const Vector3 now = gathered_.position[i];
+        if (walls_.near(now, now + time*gathered_.velocity[i], 2*gathered_.radius[i])) return true;
+    }
+    return false;
+}
+
+
+/// m/s, of any two members within `time`, at most: from their velocities now, from what drag and
+/// forces make of them, and from what the deepest contact holds.
+double IslandStepper::meetingSpeed(double time) const
+{
+    const Particles& p = gathered_;
+    const double share = 1/double(p.size());
+    const auto forcing = [&](std::size_t i)
+    {
+        return p.acceleration[i] + p.dragRate[i]*(p.gasVelocity[i] - p.velocity[i]);
+    };
+    Vector3 velocity, acceleration;
+    for (std::size_t i = 0; i < p.size(); ++i)
+    {
+        velocity += share*p.velocity[i];
+        acceleration += share*forcing(i);
+    }
+    double speed = 0, smallest = 1e300, lightest = 1e300;
+    for (std::size_t i = 0; i < p.size(); ++i)
+    {
+        speed = std::max(speed, norm(p.velocity[i] - velocity)
+                                + time*norm(forcing(i) - acceleration)
+                                + p.radius[i]*norm(p.spin[i]));
+        smallest = std::min(smallest, p.radius[i]);
+        lightest = std::min(lightest, p.mass[i]);
+    }
+    double held = 0;
+    laws_.forEach([&](const LawTable& table, std::uint32_t a, std::uint32_t b)
+    {
+        held = std::max(held, table.law().storedEnergy(table(a, b), smallest, overlap_*smallest));
+    });
+    return std::max(slowest, 2*speed + std::sqrt(4*held/lightest));
+}
+
+
+/// Of the next chunk. A step for contacts at the members' own speed is far too short where they move
+/// side by side and press each other lightly.
+double IslandStepper::longestStep(const IslandResult& result) const
+{
+    const double usual = stepLimit_(gathered_, 0);
+    if (result.subSteps < longContact || gathered_.size() > smallIsland) return usual;
+    const double guess = stepLimit_(gathered_, meetingSpeed(0));
+    if (meetsWalls(chunkSteps*guess)) return usual;
+    return std::max(usual, stepLimit_(gathered_, meetingSpeed(chunkSteps*guess)));
+}
+
+
 double IslandStepper::softChunk(IslandResult& result, double begin, double end, bool& touching)
 {
     gather(result.end);
-    const double remaining = end - begin, limit = stepLimit_(gathered_);
+    const double remaining = end - begin, limit = longestStep(result);
     const double needed = std::max(1.0, std::ceil(remaining/limit*(1 - 1e-12)));
     const double wanted = result.end.size() <= smallIsland
         ? chunkSteps : std::max(chunkSteps, std::ceil(needed/chunksOfLarge));
@@ -119,7 +184,8 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
     touching = report.touching + report.wallTouching > 0;
     result.subSteps += std::size_t(steps);
     result.shortestStep = std::min(result.shortestStep, time/steps);
-    result.largestOverlap = std::max(result.largestOverlap, report.largestOverlap);
+    overlap_ = report.largestOverlap;
+    result.largestOverlap = std::max(result.largestOverlap, overlap_);
     for (std::size_t i = 0; i < result.end.size(); ++i)
     {
         ParticleState& t = result.end[i];

@@ -24,17 +24,22 @@ struct IslandResult
     double shortestStep = 0;                   // s
     double largestOverlap = 0;                 // over the smaller radius
     double impactSeconds = 0, softSeconds = 0; // wall time
+    bool finished = true;                      // false: the piece's work was not enough
 
     bool soft() const { return subSteps > 0; }
+    /// Impacts and sub-steps times particles; each costs as much as some particles by itself.
+    double work() const { return double(impacts + subSteps)*(double(end.size()) + 20); }
 };
 
 /// Fourth stage: carries an island through a piece: impacts as long as its contacts are short and
 /// binary, the soft law with sub-steps of the island's own for as long as something in it touches,
-/// then impacts again.
+/// then impacts again. Contacts that last for very many sub-steps take longer ones, as the energy
+/// that the island can bring to a contact needs them. Gives up where that takes more than the piece's work.
 class IslandStepper
 {
 public:
-    using StepLimit = std::function<double(const Particles&)>;
+    /// Longest sub-step (s) for contacts at a speed (m/s); 0: at the particles' own.
+    using StepLimit = std::function<double(const Particles&, double speed)>;
 
     IslandStepper(const Settings& settings, const LawTables& laws, const Walls& walls,
                   const ImpactLaws& impacts, StepLimit stepLimit);
@@ -46,6 +51,9 @@ private:
     double softChunk(IslandResult& result, double begin, double end, bool& touching);
     void startSoft(const std::vector<ContactRecord>& history);
     void gather(const std::vector<ParticleState>& members);
+    double longestStep(const IslandResult& result) const;
+    double meetingSpeed(double time) const;
+    bool meetsWalls(double time) const;
 
     Settings settings_;
     const LawTables& laws_;
@@ -53,6 +61,7 @@ private:
     StepLimit stepLimit_;
     EventDriven events_;
     std::optional<SoftIntegrator> soft_;
+    double overlap_ = 0;                       // over the smallest radius, in the last chunk
     Particles gathered_;
 };
 

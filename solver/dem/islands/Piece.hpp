@@ -17,6 +17,7 @@ struct Piece
     const SortedContacts& history;              // contacts that last from before
     double duration;                            // s
     std::uint64_t seed;                         // of the stochastic collisions
+    double work = 1e300;                        // sub-steps or impacts, times particles, at most
 };
 
 } // namespace elutria::dem

@@ -241,7 +241,7 @@ TEST_CASE("island stepper: equal elastic spheres exchange their velocities at th
     const LawTables laws(stages.settings, materials);
     const ImpactLaws impacts(laws, materials);
     IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
-                          [](const Particles&) { return 1e-6; });
+                          [](const Particles&, double) { return 1e-6; });
     const std::vector<ParticleState> start{sphere(1, {}, {1, 0, 0}), sphere(2, {0.9, 0, 0}, {}),
                                            sphere(3, {12e-3, 0, 0}, {-1, 0, 0})};
     IslandResult result;
@@ -263,7 +263,7 @@ TEST_CASE("island stepper: spheres that touch from before take the soft law and 
     const LawTables laws(stages.settings, materials);
     const ImpactLaws impacts(laws, materials);
     IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
-                          [](const Particles&) { return 2e-6; });
+                          [](const Particles&, double) { return 2e-6; });
     stages.history = SortedContacts({{1, 2, false, {}}});
     const double overlap = 1e-5;
     const std::vector<ParticleState> start{sphere(1, {}, {}), sphere(2, {2e-3 - overlap, 0, 0}, {})};
@@ -284,7 +284,7 @@ TEST_CASE("path check: who is hit by a path that an impact has changed, and nobo
     const LawTables laws(stages.settings, materials);
     const ImpactLaws impacts(laws, materials);
     IslandStepper stepper(stages.settings, laws, stages.walls, impacts,
-                          [](const Particles&) { return 1e-6; });
+                          [](const Particles&, double) { return 1e-6; });
     const std::vector<ParticleState> start{
         sphere(1, {}, {1, 0, 0}), sphere(2, {5e-3, 0, 0}, {}),    // 2 is thrown along x
         sphere(3, {9e-3, 0, 0}, {}),                              // in its way

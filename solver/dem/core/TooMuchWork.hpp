@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/text.hpp"
+
+#include <cstddef>
+#include <stdexcept>
+
+namespace elutria::dem
+{
+
+/// A call would not end within minutes. Smaller sub-steps cannot help.
+struct TooMuchWork : std::runtime_error
+{
+    /// Sub-steps times particles of one call, at most.
+    static constexpr double most = 1e10;
+
+    TooMuchWork(double duration, double steps, std::size_t particles)
+      : std::runtime_error(
+            "a step of " + text(duration) + " s takes " + text(steps) + " contact steps of "
+            + text(duration/steps) + " s for " + std::to_string(particles)
+            + " particles, allowed: " + text(most) + " contact steps times particles. Lower deltaT,"
+            " youngsModulus or normalStiffness")
+    {}
+};
+
+inline void refuseTooMuchWork(double duration, double steps, std::size_t particles)
+{
+    if (steps*double(particles) > TooMuchWork::most)
+        throw TooMuchWork(duration, steps, particles);
+}
+
+} // namespace elutria::dem
