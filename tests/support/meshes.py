@@ -118,3 +118,30 @@ def twist(case: Path, turns: float) -> None:
     points[:, 1] = np.sin(angle) * x + np.cos(angle) * y
     rows = "\n".join(f"({a!r} {b!r} {c!r})" for a, b, c in points.tolist())
     path.write_text(f"{head}{brace}\n\n{count}\n(\n{rows}\n)\n")
+
+
+def barred(cell: float = 2e-3) -> str:
+    """A flat shaft, 40 x 8 mm and 160 mm high, with a square bar of 8 mm across it that sheds
+    vortices; the feed enters above it. Planes of symmetry in front and at the back."""
+    x, z = (0, 0.016, 0.024, 0.040), (0, 0.040, 0.048, 0.160)
+    vertices = [(x[i], y, z[k]) for k in range(4) for y in (0, 0.008) for i in range(4)]
+    blocks, front, back = [], [], []
+    for k in range(3):
+        for i in range(3):
+            if (k, i) == (1, 1):
+                continue  # the bar
+            low = [8 * k + i + n for n in (0, 1, 5, 4)]
+            high = [n + 8 for n in low]
+            across, along = (round((s[n + 1] - s[n]) / cell) for s, n in ((x, i), (z, k)))
+            corners = " ".join(str(n) for n in low + high)
+            blocks.append(f"hex ({corners}) ({across} 1 {along}) simpleGrading (1 1 1)")
+            front.append(f"({low[0]} {low[1]} {high[1]} {high[0]})")
+            back.append(f"({low[3]} {low[2]} {high[2]} {high[3]})")
+    boundary = (
+        "bottom { type patch; faces ((0 4 5 1) (1 5 6 2) (2 6 7 3)); }"
+        "top { type patch; faces ((24 25 29 28) (25 26 30 29) (26 27 31 30)); }"
+        "feedSlot { type wall; faces ((16 24 28 20)); }"
+        f"front {{ type symmetryPlane; faces ({' '.join(front)}); }}"
+        f"back {{ type symmetryPlane; faces ({' '.join(back)}); }}"
+    )
+    return _plan(vertices, "\n".join(blocks), boundary)

@@ -16,6 +16,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ElutriaCloud.H"
+#include "contacts/meshDimensions.H"
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
 #include "run/AtomicTime.H"
@@ -158,18 +159,16 @@ void solveGas
     const GasExchange exchange(cloud.exchange());
     plan.account(ScenePlan::partExchange);
 
+    const scalar window = cloud.window();
     gas.correctTransport();
     try
     {
         const volVectorField change
         (
-            gas.advance
-            (
-                exchange, cloud.window(), plan.courant(), plan.retakes()
-            )
+            gas.advance(exchange, window, plan.courant(), plan.retakes())
         );
         cloud.correct(change);
-        plan.gasSolved(gas.relative(change));
+        plan.gasSolved(window, gas.relative(change));
     }
     catch (const UnsoundStep&)
     {
@@ -215,6 +214,7 @@ void run(const argList& args)
     sigFpe::unset(false);
 
     #include "createMesh.H"
+    refuseWedges(mesh);
     #include "createControl.H"
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
@@ -230,8 +230,7 @@ void run(const argList& args)
 
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
-    const bool settles =
-        plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0;
+    const bool settles = plan.settles(cloud);
 
     if (args.found("plan"))
     {
@@ -246,17 +245,18 @@ void run(const argList& args)
     if (settles)
     {
         gas.startFromSettled();
-        gas.converge
+        plan.gasSettled
         (
-            cloud.exchange(), plan.courant(), 0.3*plan.tolerance(),
-            plan.retakes()
+            gas.converge
+            (
+                cloud.exchange(), plan.courant(), plan.settledTolerance(),
+                plan.retakes()
+            )
         );
         if (args.found("keepSettled"))
         {
             gas.writeSettled();
         }
-        plan.setBasis(ScenePlan::gasBasis::settled);
-        plan.account(ScenePlan::partGas);
     }
 
     plan.announce(cloud, runTime);

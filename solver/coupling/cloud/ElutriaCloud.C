@@ -168,6 +168,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
     if (stockMotion_)
     {
         StockCloud::motion(cloud, td);
+        coupling_.depositStock();
         return;
     }
     sampling_.sample(parcels_, td, dt);

@@ -35,6 +35,7 @@ GasCoupling::GasCoupling
     kernel_(kernel),
     stockMotion_(stockMotion),
     impulse_(cloud.mesh().nCells(), Zero),
+    stockCoefficient_(stockMotion ? cloud.mesh().nCells() : 0, Zero),
     window_(0),
     windowStart_(cloud.time().timeIndex())
 {}
@@ -49,13 +50,23 @@ void GasCoupling::startStep(const scalar dt)
 }
 
 
+void GasCoupling::depositStock()
+{
+    if (cloud_.solution().coupled())
+    {
+        impulse_ += cloud_.UTrans().field();
+        stockCoefficient_ += cloud_.UCoeff().field();
+    }
+}
+
+
 vectorField GasCoupling::forceOnGas() const
 {
     if (!cloud_.solution().coupled() || window_ <= 0)
     {
         return vectorField(impulse_.size(), Zero);
     }
-    return (stockMotion_ ? cloud_.UTrans().field() : impulse_)/window_;
+    return impulse_/window_;
 }
 
 
@@ -86,7 +97,7 @@ GasExchange GasCoupling::exchange() const
     scalarField& coefficient = gas.coefficient.primitiveFieldRef();
     if (stockMotion_)
     {
-        coefficient = cloud_.UCoeff().field();
+        coefficient = stockCoefficient_;
     }
     else
     {
@@ -133,6 +144,7 @@ void GasCoupling::correct(const volVectorField& change)
 void GasCoupling::restart()
 {
     impulse_ = Zero;
+    stockCoefficient_ = Zero;
     window_ = 0;
     windowStart_ = cloud_.time().timeIndex();
 }

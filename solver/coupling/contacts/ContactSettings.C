@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "contacts/ContactSettings.H"
+#include "contacts/meshDimensions.H"
 #include "contacts/SymmetryWalls.H"
 #include "contacts/WallMotion.H"
 #include "foam/foamVersion.H"
@@ -271,6 +272,7 @@ ContactSettings::ContactSettings
 )
 {
     const polyMesh& mesh = U.mesh();
+    requireDepth(mesh);
     const wordList wallNames(wallPatchNames(mesh));
     settings.box = periodicBox(mesh);
 

@@ -221,7 +221,7 @@ tmp<volVectorField> GasPhase::advance
 }
 
 
-void GasPhase::converge
+scalar GasPhase::converge
 (
     const GasExchange& none,
     const scalar courant,
@@ -232,7 +232,7 @@ void GasPhase::converge
     const scalar through = throughTime();
     if (through >= GREAT)
     {
-        return;
+        return GREAT;
     }
 
     GasClock clock(runTime_);
@@ -255,6 +255,7 @@ void GasPhase::converge
         << " passes; change per pass " << change
         << (change > tolerance ? " (not below " : " (below ") << tolerance
         << ")" << endl;
+    return change;
 }
 
 

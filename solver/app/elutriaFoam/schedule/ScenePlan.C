@@ -80,10 +80,12 @@ void ScenePlan::readState()
     if (force.size() == blocks && volume.size() == blocks)
     {
         lastLoad_ = {force, volume};
-        interval_ = IOdictionary
+        const IOdictionary solves
         (
             stateHeader(mesh, "gasSolves", IOobject::MUST_READ)
-        ).get<label>("interval");
+        );
+        interval_ = solves.get<label>("interval");
+        flow_.restore(solves.getOrDefault<word>("flow", flow_.name()));
     }
 }
 
@@ -225,6 +227,8 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
 :
     gas_(gas),
     basis_(gasBasis::start),
+    tolerance_(readPositive(readSettings(runTime), "gasTolerance", 0.01)),
+    flow_(settledTolerance(), gas.resolvesEddies()),
     interval_(1),
     toldInterval_(1),
     since_(0),
@@ -240,7 +244,6 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     const dictionary dict(readSettings(runTime));
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
-    tolerance_ = readPositive(dict, "gasTolerance", 0.01);
     courant_ = readPositive(dict, "gasCourant", 5);
     collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.05);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
@@ -277,13 +280,18 @@ bool ScenePlan::gasDue(const Time& runTime, const scalar window)
         return gasChoice_ == choice::on;
     }
 
+    if (gas_.boundaryChange() > tolerance_)
+    {
+        flow_.disturbed();
+    }
+
     // At write times the pending exchange is settled, so that a restart
     // finds nothing open
     const scalar next = window + runTime.deltaTValue();
     return
         ++since_ >= interval_
+     || !flow_.steady()
      || next*gas_.courantRate() > courant_
-     || gas_.boundaryChange() > tolerance_
      || runTime.writeTime();
 }
 
@@ -299,7 +307,7 @@ bool ScenePlan::gasNeeded(const ElutriaCloud& cloud)
     const scalar spared = loadChange();
 
     since_ = 0;
-    if (spared < tolerance_ && gas_.boundaryChange() < tolerance_)
+    if (flow_.steady() && spared < tolerance_)
     {
         ++sleeps_;
         largestSpared_ = max(largestSpared_, spared);
@@ -309,11 +317,29 @@ bool ScenePlan::gasNeeded(const ElutriaCloud& cloud)
 }
 
 
-void ScenePlan::gasSolved(const scalar change)
+bool ScenePlan::settles(const ElutriaCloud& cloud) const
+{
+    return convergeGas_ && cloud.feed() && cloud.nParcels() == 0;
+}
+
+
+void ScenePlan::gasSettled(const scalar change)
+{
+    basis_ = gasBasis::settled;
+    flow_.settled(change);
+    account(partGas);
+}
+
+
+void ScenePlan::gasSolved(const scalar window, const scalar change)
 {
     ++solves_;
     since_ = 0;
-    lastLoad_ = load_;
+    flow_.solved(window/gas_.throughTime(), change, loadChange());
+    if (flow_.steady() || flow_.watchBegins())
+    {
+        lastLoad_ = load_;
+    }
     findFlowAxis();
 
     if (change < 0.5*tolerance_)
@@ -350,6 +376,7 @@ void ScenePlan::write() const
     ).write();
     IOdictionary solves(stateHeader(mesh, "gasSolves", IOobject::NO_READ));
     solves.add("interval", interval_);
+    solves.add("flow", word(flow_.name()));
     solves.regIOobject::write();
 }
 

@@ -46,6 +46,17 @@ std::string words(const UList<word>& values)
 }
 
 
+//- What is decided, and why
+std::string decision(const PlanTable::Decision& made)
+{
+    return json::object
+    ({
+        {"what", json::text(made.first)},
+        {"why", json::text(made.second)}
+    });
+}
+
+
 //- Patches of each product
 std::string outlets(const Feed& feed, const polyBoundaryMesh& patches)
 {
@@ -128,7 +139,9 @@ std::string ScenePlan::gasAsJson(const ElutriaCloud& cloud) const
         {"density_kg_m3", json::number(means.density)},
         {"viscosity_pa_s", json::number(means.viscosity)},
         {"through_time_s", json::number(gas_.throughTime())},
-        {"changes_at", json::number(tolerance_)}
+        {"changes_at", json::number(tolerance_)},
+        {"solved", decision(gasSolves())},
+        {"by_itself", decision(gasByItself())}
     });
 }
 

@@ -272,29 +272,6 @@ void ScenePlan::announceFeed
 }
 
 
-void ScenePlan::announceGas(PlanTable& table, const ElutriaCloud& cloud) const
-{
-    static const char* const forced[] = {"as the scene allows", "always", "never"};
-    table.row
-    (
-        "gas", forced[label(gasChoice_)],
-        "when its velocity could change by " + percent(tolerance_)
-      + ", Courant " + threeDigits(courant_)
-    );
-    table.row
-    (
-        "gas beforehand", convergeGas_ ? "settles without feed" : "skipped",
-        "to " + percent(0.1*tolerance_) + " a passage"
-    );
-    const bool dispersed = cloud.sampling().disperses();
-    table.row
-    (
-        "dispersion", dispersed ? "needed" : "skipped",
-        dispersed ? "the gas is turbulent" : "no model, or a laminar gas"
-    );
-}
-
-
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
 void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
@@ -342,6 +319,7 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
         "left at rest " + std::to_string(sleeps_)
       + " times when due; largest change spared " + percent(largestSpared_)
     );
+    table.row("gas by itself", flow_.name(), flow_.why());
     if (cloud.contacts())
     {
         table.row

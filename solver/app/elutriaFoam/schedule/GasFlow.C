@@ -1,0 +1,135 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "schedule/GasFlow.H"
+#include "schedule/PlanTable.H"
+#include "messageStream.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+const char* const names[] = {"developing", "unsteady", "steady"};
+
+//- Passages after which a gas that still develops is called unsteady
+constexpr label longDevelopment = 10;
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void GasFlow::become(const state s, const std::string& why)
+{
+    const bool never = resolvesEddies_ && s == state::steady;
+    state_ = never ? state::unsteady : s;
+    why_ = never ? "its eddies are resolved (simulationType LES)" : why;
+    watched_ = changed_ = caused_ = 0;
+    passages_ = 0;
+}
+
+
+// * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
+
+GasFlow::GasFlow(const scalar tolerance, const bool resolvesEddies)
+:
+    resolvesEddies_(resolvesEddies),
+    tolerance_(tolerance)
+{
+    become(state::developing, "it starts from the fields of the case");
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+const char* GasFlow::name() const
+{
+    return names[label(state_)];
+}
+
+
+void GasFlow::restore(const std::string& name)
+{
+    for (const state s : {state::developing, state::unsteady, state::steady})
+    {
+        if (name == names[label(s)])
+        {
+            become(s, "found so by the run that is continued");
+        }
+    }
+}
+
+
+void GasFlow::settled(const scalar change)
+{
+    if (change >= GREAT)
+    {
+        become(state::developing, "no gas flows in yet");
+        return;
+    }
+    become
+    (
+        change > tolerance_ ? state::unsteady : state::steady,
+        "changed by " + percent(change) + " a passage without particles"
+    );
+}
+
+
+void GasFlow::disturbed()
+{
+    if (state_ == state::steady)
+    {
+        become(state::developing, "a condition at the boundary has changed");
+    }
+}
+
+
+void GasFlow::solved
+(
+    const scalar passage,
+    const scalar change,
+    const scalar byLoad
+)
+{
+    if (getenv("GASFLOW"))
+    {
+        Info<< "GASFLOW " << name() << ' ' << passage << ' ' << change << ' '
+            << byLoad << endl;
+    }
+    if (state_ == state::steady)
+    {
+        return;
+    }
+    watched_ += passage;
+    changed_ += change;
+    caused_ += byLoad*passage;
+    if (watched_ < 1)
+    {
+        return;
+    }
+
+    const std::string found
+    (
+        "changed by " + percent(changed_/watched_) + " in a passage, by "
+      + percent(caused_/watched_) + " for the particles"
+    );
+    ++passages_;
+    if (changed_ < tolerance_*watched_ + caused_)
+    {
+        become(state::steady, found);
+    }
+    else if (state_ == state::developing && passages_ == longDevelopment)
+    {
+        become(state::unsteady, found);
+    }
+    watched_ = changed_ = caused_ = 0;
+}
+
+
+} // End namespace Foam
