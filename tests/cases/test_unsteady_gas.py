@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -86,17 +87,17 @@ def test_vortices_behind_a_bar_are_not_frozen(column: Path, tmp_path: Path) -> N
 
 
 def test_without_a_feed_the_gas_is_solved_until_it_is_steady(tmp_path: Path) -> None:
-    """From rest, at 1 m/s through 0.1 m: a passage is 100 steps."""
+    """From rest, at 1 m/s through 0.1 m: a passage is five steps."""
     case = BoxCase(
-        gas_velocity=1, cells=(1, 1, 5), solve_gas="auto", converge_gas="auto", end=0.15,
+        gas_velocity=1, cells=(1, 1, 5), solve_gas="auto", converge_gas="auto", step=0.02, end=2,
         sides="symmetry",
     ).make(tmp_path / "case")  # fmt: skip
     change(case, {"0/U.air:internalField": np.zeros(3)})
     log = solve(case)
-    assert read_gas(case, times(case)[-1])[:, 2] == pytest.approx(1, abs=1e-6)
+    assert read_gas(case, times(case)[-1])[:, 2] == pytest.approx(1, abs=5e-3)
     done, steps = solves(case)
-    assert steps == 150
-    assert 100 <= done <= 110
+    assert steps == 100
+    assert 10 <= done <= 50
     assert "no constant/feed" in log
     assert re.search(r"gas by itself +developing", log)
     assert re.search(r"gas by itself +steady", log)
@@ -121,17 +122,24 @@ def test_gas_develops_after_its_inlet_has_changed(tmp_path: Path) -> None:
 
 def test_openfoams_average_over_time_counts_steps_without_a_solve(tmp_path: Path) -> None:
     """Of the mean upward velocity, which is the inlet's: 3 m/s for 0.1 s of 0.4 s, then 6 m/s."""
-    average = {
-        "type": "fieldAverage",
-        "libs": ['"libfieldFunctionObjects.so"'],
-        "writeControl": "writeTime",
-        "fields": [{"U.air": {"mean": True, "prime2Mean": True, "base": "time"}}],
+    average = """
+functions
+{
+    average
+    {
+        type fieldAverage; libs ("libfieldFunctionObjects.so"); writeControl writeTime;
+        fields (U.air { mean yes; prime2Mean yes; base time; });
     }
+}
+"""
     case = tmp_path / "case"
-    CoarseColumn(
-        3, 1e-5, inlet=RAMP, particles=20, end=0.4, step=2e-3,
-        more={f"{CONTROL}:functions": {"average": average}},
-    ).run(case)  # fmt: skip
+    CoarseColumn(3, 1e-5, inlet=RAMP, particles=20, end=4e-3, step=2e-3).run(case)
+    for written in times(case)[1:]:
+        shutil.rmtree(case / written)
+    control = case / "system/controlDict"
+    control.write_text(control.read_text() + average)
+    change(case, {f"{CONTROL}:endTime": 0.4, f"{CONTROL}:writeInterval": 0.4})
+    solve(case)
     done, steps = solves(case)
     assert done < steps
     mean = read_gas(case, times(case)[-1], "U.airMean")[:, 2].mean()

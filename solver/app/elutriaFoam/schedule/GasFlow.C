@@ -86,6 +86,7 @@ void GasFlow::disturbed()
     if (state_ == state::steady)
     {
         become(state::developing, "a condition at the boundary has changed");
+        Info<< "Scene plan: the gas is solved on every step: " << why_ << endl;
     }
 }
 
@@ -97,11 +98,6 @@ void GasFlow::solved
     const scalar byLoad
 )
 {
-    if (getenv("GASFLOW"))
-    {
-        Info<< "GASFLOW " << name() << ' ' << passage << ' ' << change << ' '
-            << byLoad << endl;
-    }
     if (state_ == state::steady)
     {
         return;
@@ -123,6 +119,11 @@ void GasFlow::solved
     if (changed_ < tolerance_*watched_ + caused_)
     {
         become(state::steady, found);
+        if (steady())
+        {
+            Info<< "Scene plan: the gas is steady by itself: it " << found
+                << endl;
+        }
     }
     else if (state_ == state::developing && passages_ == longDevelopment)
     {

@@ -342,6 +342,10 @@ void ScenePlan::gasSolved(const scalar window, const scalar change)
     }
     findFlowAxis();
 
+    if (!flow_.steady())
+    {
+        return;
+    }
     if (change < 0.5*tolerance_)
     {
         interval_ = min(2*interval_, label(1024));
