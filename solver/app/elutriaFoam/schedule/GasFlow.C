@@ -110,7 +110,7 @@ void GasFlow::solved
         return;
     }
 
-    const std::string found
+    const std::string observed
     (
         "changed by " + percent(changed_/watched_) + " in a passage, by "
       + percent(caused_/watched_) + " for the particles"
@@ -118,16 +118,16 @@ void GasFlow::solved
     ++passages_;
     if (changed_ < tolerance_*watched_ + caused_)
     {
-        become(state::steady, found);
+        become(state::steady, observed);
         if (steady())
         {
-            Info<< "Scene plan: the gas is steady by itself: it " << found
+            Info<< "Scene plan: the gas is steady by itself: it " << observed
                 << endl;
         }
     }
     else if (state_ == state::developing && passages_ == longDevelopment)
     {
-        become(state::unsteady, found);
+        become(state::unsteady, observed);
     }
     watched_ = changed_ = caused_ = 0;
 }
