@@ -297,7 +297,12 @@ void ScenePlan::announceGas(PlanTable& table, const ElutriaCloud& cloud) const
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
-void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
+void ScenePlan::announce
+(
+    const ElutriaCloud& cloud,
+    const Time& runTime,
+    const wordList& unused
+) const
 {
     PlanTable table("Scene plan (system/scenePlan)");
     if (cloud.feed())
@@ -313,6 +318,10 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
             "spin, history", friction ? "needed" : "skipped",
             friction ? "friction" : "no friction anywhere"
         );
+    }
+    for (const word& file : unused)
+    {
+        table.row("not used", file, "elutriaFoam reads no such file");
     }
     table.end();
     writePlan(table, cloud, runTime);
