@@ -75,7 +75,8 @@ dictionary fileIfThere(const fvMesh& mesh, const word& name)
 )
 {
     FatalErrorInFunction
-        << (mesh.time().constant()/name) << ": " << why << exit(FatalError);
+        << (mesh.time().constant()/name).c_str() << ": " << why.c_str()
+        << exit(FatalError);
     std::abort();
 }
 
