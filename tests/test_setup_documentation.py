@@ -38,6 +38,8 @@ NAME_PARAMETER = re.compile(
 USERS_NAMES = {
     "e.keyword()": "outlets: the products' names",
     "name": "pairs: MATERIAL-MATERIAL; stock's wallLocalSpringSliderDashpot: the walls' names",
+    "model + Coeffs": "stock's coefficients of the patch interaction",
+    "source.name()": "a source of constant/fvOptions",
     "reverse": "pairs: the other way round",
     "usual": "particleParticle or particleWall",
     "pairModel + Coeffs": "stock's coefficients of the pair model",

@@ -20,6 +20,7 @@ Description
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
 #include "run/AtomicTime.H"
+#include "run/caseFiles.H"
 #include "run/exitHandling.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
@@ -218,6 +219,7 @@ void run(const argList& args)
     #include "createControl.H"
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
+    caseFiles::refuse(mesh);
 
     GasPhase gas(runTime, mesh, pimple, g);
     ElutriaCloud cloud
@@ -227,6 +229,10 @@ void run(const argList& args)
     );
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
+    const wordList unused
+    (
+        caseFiles::unused(mesh, cloud.name(), gas.name())
+    );
 
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
@@ -238,7 +244,7 @@ void run(const argList& args)
         {
             plan.setBasis(ScenePlan::gasBasis::inlet);
         }
-        plan.announce(cloud, runTime);
+        plan.announce(cloud, runTime, unused);
         Info<< "elutria: planned" << endl;
         return;
     }
@@ -259,7 +265,7 @@ void run(const argList& args)
         }
     }
 
-    plan.announce(cloud, runTime);
+    plan.announce(cloud, runTime, unused);
     plan.account(ScenePlan::partOutput);
     exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;

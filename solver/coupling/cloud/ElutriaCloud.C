@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ElutriaCloud.H"
+#include "cloud/contactLimits.H"
 #include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
 #include "impacts/Flight.hpp"
@@ -24,6 +25,7 @@ CloudContacts* ElutriaCloud::findContacts()
     auto* contacts = dynamic_cast<CloudContacts*>(&collision());
     if (contacts)
     {
+        refuseWithContacts(particleProperties(), mesh());
         contacts->addSymmetryWalls();
     }
     return contacts;

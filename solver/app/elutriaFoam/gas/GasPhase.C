@@ -126,6 +126,13 @@ void GasPhase::correctPressure
         "phiHbyA",
         fvc::flux(HbyA) + alphaf_*rAUf*fvc::ddtCorr(U_, phi_)
     );
+    if (hasSources_)
+    {
+        // As rAUf, so that both sides of a resistance's edge agree
+        const surfaceScalarField flux(rAUf*fvc::flux(momentum.H()));
+        phiHbyA.primitiveFieldRef() +=
+            flux.primitiveField() - fvc::flux(HbyA)().primitiveField();
+    }
     if (p_.needReference() && isOpen(mesh_))
     {
         adjustPhi(phiHbyA, U_, p_);
@@ -157,6 +164,7 @@ void GasPhase::correctPressure
                 HbyA
               + rAU*reconstruct((forceFlux - pressureFlux)/rAUf);
             U_.correctBoundaryConditions();
+            sources_.correct(U_);
         }
     }
 }
@@ -292,6 +300,9 @@ GasPhase::GasPhase
         alphaf_*phi_
     ),
     turbulence_(nullptr),
+    sources_(fv::options::New(mesh)),
+    hasSources_(static_cast<const PtrList<fv::option>&>(sources_).size()),
+    sourcesVary_(false),
     pRefCell_(0),
     pRefValue_(0),
     faceSumInverse_
@@ -325,6 +336,7 @@ void GasPhase::startTurbulence()
     (
         alpha_, geometricOneField(), U_, alphaPhi_, phi_, transport_
     );
+    checkSources();
 }
 
 
@@ -332,6 +344,10 @@ void GasPhase::correctTransport()
 {
     transport_.correct();
     mu_ = rho_*transport_.nu();
+    if (nu_.valid())
+    {
+        *nu_ = transport_.nu();
+    }
 }
 
 
@@ -384,16 +400,30 @@ void GasPhase::solve
     {
         tmp<fvVectorMatrix> equation(momentum(coefficient));
         fvVectorMatrix& UEqn = equation.ref();
+        tmp<volVectorField> tforce(force);
+        if (hasSources_)
+        {
+            tforce = force + addSources(UEqn);
+        }
         UEqn.relax();
+        sources_.constrain(UEqn);
 
         const volScalarField rAU(1.0/UEqn.A());
-        const surfaceScalarField rAUf("Dp", fvc::interpolate(rAU));
+        const surfaceScalarField rAUf
+        (
+            "Dp",
+            hasSources_
+          ? 1.0/fvc::interpolate(UEqn.A()) : fvc::interpolate(rAU)
+        );
         // On faces the force loses a little of its sum where rAU varies: that
         // comes back evenly, so that the gas gets what the particles gave
-        surfaceScalarField forceFlux(fvc::flux(rAU*force));
+        surfaceScalarField forceFlux
+        (
+            hasSources_ ? rAUf*fvc::flux(tforce()) : fvc::flux(rAU*force)
+        );
         const dimensionedVector missing
         (
-            fvc::domainIntegrate(force - reconstruct(forceFlux/rAUf))
+            fvc::domainIntegrate(tforce() - reconstruct(forceFlux/rAUf))
            /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
         );
         forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
@@ -444,6 +474,10 @@ void GasPhase::followBoundaries()
         }
     }
     boundaryChange_ = returnReduce(max(change, sqrt(rise)), maxOp<scalar>());
+    if (sourcesVary_)
+    {
+        boundaryChange_ = GREAT;
+    }
 }
 
 

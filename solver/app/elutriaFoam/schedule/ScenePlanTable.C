@@ -274,7 +274,12 @@ void ScenePlan::announceFeed
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
-void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
+void ScenePlan::announce
+(
+    const ElutriaCloud& cloud,
+    const Time& runTime,
+    const wordList& unused
+) const
 {
     PlanTable table("Scene plan (system/scenePlan)");
     if (cloud.feed())
@@ -290,6 +295,10 @@ void ScenePlan::announce(const ElutriaCloud& cloud, const Time& runTime) const
             "spin, history", friction ? "needed" : "skipped",
             friction ? "friction" : "no friction anywhere"
         );
+    }
+    for (const word& file : unused)
+    {
+        table.row("not used", file, "elutriaFoam reads no such file");
     }
     table.end();
     writePlan(table, cloud, runTime);

@@ -1,0 +1,132 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/contactLimits.H"
+#include "contacts/SymmetryWalls.H"
+#include "patchInteractionDataList.H"
+#include "wordRes.H"
+
+namespace Foam
+{
+
+namespace
+{
+
+const char* const contactsAreOurs =
+    "since collisionModel cellList resolves the contacts with walls; allowed: ";
+
+
+//- What happens to a particle at a wall, by the model that would rule there
+word interactionAt
+(
+    const polyPatch& wall,
+    const word& model,
+    const dictionary& coeffs
+)
+{
+    if (model == "standardWallInteraction")
+    {
+        return coeffs.getOrDefault<word>("type", "rebound");
+    }
+    if (model == "localInteraction")
+    {
+        const patchInteractionDataList all(wall.boundaryMesh().mesh(), coeffs);
+        const label k = all.applyToPatch(wall.index());
+        return k < 0 ? word("rebound") : all[k].interactionTypeName();
+    }
+    return model == "multiInteraction" ? model : word("rebound");
+}
+
+
+void refuseInteractions(const dictionary& properties, const polyMesh& mesh)
+{
+    const dictionary& models = properties.subOrEmptyDict("subModels");
+    const word model
+    (
+        models.getOrDefault<word>("patchInteractionModel", "none")
+    );
+    const dictionary& coeffs = models.subOrEmptyDict(model + "Coeffs");
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        if (!isContactPatch(patch))
+        {
+            continue;
+        }
+        const word interaction(interactionAt(patch, model, coeffs));
+        if (interaction != "rebound")
+        {
+            FatalIOErrorInFunction(models)
+                << "patchInteractionModel: " << model << ": '" << interaction
+                << "' would not happen at the wall " << patch.name() << ", "
+                << contactsAreOurs << "rebound, or collisionModel none"
+                << exit(FatalIOError);
+        }
+    }
+}
+
+
+//- Functions of the cloud that are called at hits, which the engine does not
+//  tell them
+void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
+{
+    for (const entry& function : properties.subOrEmptyDict("cloudFunctions"))
+    {
+        if (!function.isDict())
+        {
+            continue;
+        }
+        const dictionary& dict = function.dict();
+        const word type(dict.getOrDefault<word>("type", ""));
+        for (const polyPatch& patch : mesh.boundaryMesh())
+        {
+            const bool records =
+                type == "particleErosion" || type == "patchCollisionDensity"
+             || type == "patchPostProcessing";
+            const wordRes patches
+            (
+                dict.getOrDefault<wordRes>("patches", wordRes())
+            );
+            if
+            (
+                records && isContactPatch(patch)
+             && (type == "patchCollisionDensity" || patches.match(patch.name()))
+            )
+            {
+                FatalIOErrorInFunction(dict)
+                    << "type: '" << type << "' would record no hit of the wall "
+                    << patch.name() << ", " << contactsAreOurs
+                    << "patches that are not walls, or collisionModel none"
+                    << exit(FatalIOError);
+            }
+        }
+    }
+}
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * * * Global Functions  * * * * * * * * * * * * * //
+
+void refuseWithContacts(const dictionary& properties, const polyMesh& mesh)
+{
+    for (const polyPatch& patch : mesh.boundaryMesh())
+    {
+        if (patch.type() == "cyclicAMI" || patch.type() == "cyclicACMI")
+        {
+            FatalErrorInFunction
+                << "constant/polyMesh/boundary: " << patch.name() << ": '"
+                << patch.type() << "': contacts do not reach across it;"
+                << " allowed: cyclic, or collisionModel none in "
+                << properties.name() << exit(FatalError);
+        }
+    }
+    refuseInteractions(properties, mesh);
+    refuseFunctions(properties, mesh);
+}
+
+
+} // End namespace Foam

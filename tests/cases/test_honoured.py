@@ -1,0 +1,150 @@
+"""What a case asks for is done, or refused by name, or said to be unused."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elutria_validation.harness.box import BoxCase, Contacts, cube
+from elutria_validation.harness.cases import CLOUD, MODELS, add_zone, change, read_gas, solve, times
+
+ROOT = Path(__file__).resolve().parents[2]
+HEAD = "FoamFile {{ version 2.0; format ascii; class dictionary; object {}; }}\n"
+SPEED, RESISTANCE = 2.0, 500.0  # m/s, and 1/m: Forchheimer's coefficient
+
+
+def put(case: Path, file: str, text: str) -> None:
+    (case / file).write_text(HEAD.format(Path(file).name) + text)
+
+
+def refused(case: Path) -> str:
+    """The line with which elutriaFoam refuses the case, at its start."""
+    done = subprocess.run(
+        ["elutriaFoam"], cwd=case, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 2, done.stdout[-500:] + done.stderr[-500:]
+    assert "Starting time loop" not in done.stdout
+    (said,) = [line for line in done.stdout.splitlines() if line.startswith("elutria: failed:")]
+    return said
+
+
+def duct(folder: Path, sources: str | None) -> float:
+    """Pressure over density (m2/s2) that a duct of 0.1 m takes from bottom to top, friction-free,
+    with a layer of 20 mm in its middle that `sources` may name."""
+    case = BoxCase(
+        height=0.1, cells=(1, 1, 20), gas_velocity=SPEED, gravity=0, solve_gas=True, step=1e-3,
+        end=0.02,
+    ).make(folder)  # fmt: skip
+    add_zone(case, "screen", (0, 0, 0.04), (0.1, 0.1, 0.06))
+    if sources is not None:
+        put(case, "constant/fvOptions", sources)
+    solve(case)
+    p = read_gas(case, times(case)[-1], "p")[:, 0]
+    return float(p[0] - p[-1])
+
+
+def porosity(field: str) -> str:
+    return (
+        "screen { type explicitPorositySource; explicitPorositySourceCoeffs { selectionMode"
+        f" cellZone; cellZone screen; {field} type DarcyForchheimer; DarcyForchheimerCoeffs"
+        f" {{ d (0 0 0); f ({RESISTANCE:g} {RESISTANCE:g} {RESISTANCE:g}); coordinateSystem"
+        " { origin (0 0 0); e1 (1 0 0); e2 (0 1 0); } } } }"
+    )
+
+
+def test_porosity_takes_forchheimers_pressure(tmp_path: Path, measured) -> None:
+    free = duct(tmp_path / "free", None)
+    screened = duct(tmp_path / "screened", porosity("U U.air;"))
+    expected = 0.5 * RESISTANCE * SPEED**2 * 0.02  # m2/s2
+    measured("pressure over the screen", abs(screened - free - expected) / expected, 1e-3)
+
+
+def test_a_source_of_no_field_is_refused(tmp_path: Path) -> None:
+    """OpenFOAM's porosity acts on `U` unless it is told otherwise, and the gas' is U.air."""
+    case = BoxCase(gas_velocity=1).make(tmp_path / "case")
+    add_zone(case, "screen", (0, 0, 0), (1, 1, 1))
+    put(case, "constant/fvOptions", porosity(""))
+    said = refused(case)
+    assert "fvOptions" in said
+    assert "screen" in said
+    assert "U.air" in said
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "named"),
+    [("constant/MRFProperties",
+      "wheel { cellZone screen; origin (0 0 0); axis (0 0 1); omega 100; }", "wheel"),
+     ("constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;",
+      "dynamicMotionSolverFvMesh")],
+)  # fmt: skip
+def test_what_turns_or_moves_the_mesh_is_refused(
+    tmp_path: Path, file: str, text: str, named: str
+) -> None:
+    case = BoxCase().make(tmp_path / "case")
+    put(case, file, text)
+    said = refused(case)
+    assert Path(file).name in said
+    assert named in said
+
+
+def test_files_that_nothing_reads_are_named(tmp_path: Path) -> None:
+    """An included file is read; so is what only the mesher reads, but not by the run."""
+    case = BoxCase(end=1e-3).make(tmp_path / "case")
+    put(case, "constant/radiationProperties", "radiation off;")
+    put(case, "system/scenePlann", "gas never;")
+    put(case, "system/topoSetDict", "actions ();")
+    put(case, "system/shared", "roomy 1;")
+    (case / "system/controlDict").open("a").write('\n#include "shared"\n')
+    (case / "0/T").write_text((case / "0/p").read_text().replace("object      p", "object T"))
+    output = solve(case)
+    decisions = json.loads((case / "postProcessing/plan.json").read_text())["decisions"]
+    unused = {row[1] for row in decisions if row[0] == "not used"}
+    assert unused == {"constant/radiationProperties", "system/scenePlann", "0/T"}
+    assert "system/scenePlann" in output
+
+
+WALLS: list[tuple[dict[str, Any], str]] = [
+    ({"patchInteractionModel": "standardWallInteraction",
+      "standardWallInteractionCoeffs": {"type": "stick"}}, "stick"),
+    ({"patchInteractionModel": "localInteraction",
+      "localInteractionCoeffs": {
+          "patches": [('".*"', {"type": "escape"})]}}, "escape"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("models", "named"), WALLS)
+def test_walls_that_do_not_turn_particles_back(
+    tmp_path: Path, models: dict[str, Any], named: str
+) -> None:
+    """They are stock's without contacts; with them they are refused, not ignored."""
+    settings = {f"{MODELS}/{name}": value for name, value in models.items()}
+    case = BoxCase(contacts=Contacts(), end=1e-3, **cube(0.1)).make(tmp_path / "with")
+    change(case, settings)
+    said = refused(case)
+    assert named in said
+    assert "cellList" in said
+    change(case, {f"{MODELS}/collisionModel": "none"})
+    solve(case)
+
+
+def test_hits_that_nobody_would_record(tmp_path: Path) -> None:
+    case = BoxCase(contacts=Contacts(), end=1e-3).make(tmp_path / "case")
+    erosion = {"type": "particleErosion", "p": 1, "psi": 2, "patches": ["west"]}
+    change(case, {f"{CLOUD}:cloudFunctions/wear": erosion})
+    assert "particleErosion" in refused(case)
+
+
+def test_the_manual_lists_what_the_solver_lists() -> None:
+    code = (ROOT / "solver/app/elutriaFoam/run/caseFiles.C").read_text()
+    lists = re.findall(r"(?:readFiles|otherPrograms)\[\] =\n\{(.*?)\n\};", code, re.DOTALL)
+    assert len(lists) == 2
+    known = {name.replace("\\\\", "\\") for one in lists for name in re.findall(r'"(.*)"', one)}
+    page = (ROOT / "docs/user/honoured.md").read_text().partition("## Sources")[0]
+    named = set(re.findall(r"`((?:constant|system)/[^`]+)`", page))
+    assert known <= named
+    assert named - known == {"constant/MRFProperties", "constant/dynamicMeshDict"}
