@@ -127,6 +127,10 @@ ElutriaCloud::ElutriaCloud
         !contacts_
      && !isType<NoCollision<StockCloud::collidingCloudType>>(collision())
     ),
+    feedDisplacesGas_
+    (
+        particleProperties().getOrDefault<Switch>("feedDisplacesGas", false)
+    ),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     solids_(mesh(), kernel_),
     entry_(*this, solids_, feed_),
@@ -153,6 +157,13 @@ void ElutriaCloud::evolve()
     {
         StockTracking td(*this);
         entry_.startStep();
+        if (!stockMotion_)
+        {
+            // OpenFOAM's models move what they inject, and then motion() does
+            // so again. In this part of a collision step they do not: motion()
+            // moves it, for the time since it was injected.
+            td.part() = StockTracking::tpVelocityHalfStep;
+        }
         solve(*this, td);
     }
 }
@@ -170,8 +181,10 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
         StockCloud::motion(cloud, td);
         return;
     }
+    td.part() = StockTracking::tpLinearTrack;
     sampling_.sample(parcels_, td, dt);
     advanceParticles(dt);
+    parcels_.restoreLate(dt);
     tracking_.track(parcels_, td, dt);
 }
 
