@@ -51,13 +51,15 @@ def test_a_sphere_of_manual_injection_settles_as_exactly_as_one_of_the_feed(
 ) -> None:
     case = BoxCase(gas_velocity=UPFLOW, sides="cyclic", ends="cyclic", step=1e-3, end=0.05,
                    interval=1e-3, contacts=contacts,
-                   more={f"{CLOUD}:constantProperties/rho0": 2000}).make(tmp_path / "case")  # fmt: skip
+                   more={f"{CLOUD}:constantProperties/rho0": 2000}).make(
+        tmp_path / "case"
+    )  # fmt: skip
     inject_at(case, [(0.05, 0.05, 0.05)], 1e-4)
     solve(case)
     for time in (1e-3, 0.01, 0.05):
         found = read_particles(case, f"{time:g}").velocity[0, 2]
         reference = fall(1e-4, 2000, UPFLOW, [time])[0]
-        measured(f"velocity at {time:g} s", abs(found / reference - 1), 1e-4 if time > 2e-3 else 1e-3)
+        measured(f"velocity at {time:g} s", abs(found / reference - 1), 1e-4)
 
 
 def ages(case: Path, time: str) -> np.ndarray:
@@ -65,9 +67,7 @@ def ages(case: Path, time: str) -> np.ndarray:
     return np.array([float(word) for word in text.partition("(")[2].partition(")")[0].split()])
 
 
-def test_what_is_injected_within_a_step_has_the_rest_of_it_to_fly(
-    tmp_path: Path, measured
-) -> None:
+def test_what_is_injected_within_a_step_has_the_rest_of_it_to_fly(tmp_path: Path, measured) -> None:
     speed, step = 2.0, 1.05e-3
     case = BoxCase(gravity=0, step=step, end=10 * step, forces=NO_DRAG,
                    contacts=Contacts()).make(tmp_path / "case")  # fmt: skip
@@ -80,7 +80,7 @@ def test_what_is_injected_within_a_step_has_the_rest_of_it_to_fly(
     assert len(age) >= 45
     assert len(np.unique(np.round(age / step % 1, 4))) >= 5, "all enter at a step's start"
     flown = np.sort(found.position[:, 0]) - 0.01
-    measured("place less speed times age, m", np.abs(flown - speed * age).max(), 1e-8)
+    measured("place less speed times age, m", np.abs(flown - speed * age).max(), 2e-8)
     measured("speed, m/s", np.abs(found.velocity[:, 0] - speed).max(), 1e-9)
 
 
@@ -120,12 +120,14 @@ def test_what_enters_pushes_gas_away_where_the_case_says_so(
     tmp_path: Path, measured, displaces: bool | None
 ) -> None:
     diameter, per_second = 2e-3, 5000
-    case = BoxCase(gravity=0, step=1e-3, end=0.02, forces=NO_DRAG, coupled=True, solve_gas=True,
-                   cells=(4, 4, 4), tolerance=(1e-10, 1e-4)).make(tmp_path / "case")  # fmt: skip
+    case = BoxCase(gravity=0, step=1e-3, end=0.05, interval=1e-3, forces=NO_DRAG, coupled=True,
+                   solve_gas=True, cells=(4, 4, 4), tolerance=(1e-10, 1e-4)).make(
+        tmp_path / "case"
+    )  # fmt: skip
     inject_through(case, "west", 0.5, per_second, diameter)
     if displaces is not None:
         change(case, {f"{CLOUD}:feedDisplacesGas": displaces})
     solve(case)
-    rise = read_gas(case, times(case)[-1])[-16:, 2].mean()
+    rise = np.mean([read_gas(case, time)[-16:, 2].mean() for time in times(case)[10:]])
     pushed = np.pi / 6 * diameter**3 * per_second / 0.1**2 if displaces else 0.0
     measured("gas velocity at the outlet, m/s", abs(rise - pushed), 1e-4)

@@ -184,7 +184,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
     td.part() = StockTracking::tpLinearTrack;
     sampling_.sample(parcels_, td, dt);
     advanceParticles(dt);
-    parcels_.restoreLate(dt);
+    parcels_.flyLate(dt);
     tracking_.track(parcels_, td, dt);
 }
 

@@ -307,12 +307,12 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
     {
         sample(p, td, step, i++, dt);
     }
-    step.slowLate();
     if (disturbanceAge_ >= 0)
     {
         disturbanceAge_ += dt;
     }
     findSolidFractions(step.particles);
+    step.setLateAside();
 }
 
 

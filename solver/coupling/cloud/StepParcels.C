@@ -6,9 +6,54 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/StepParcels.H"
+#include "impacts/Flight.hpp"
+
+#include <algorithm>
 
 namespace Foam
 {
+
+namespace
+{
+
+using elutria::dem::Flight;
+using elutria::dem::Particles;
+using elutria::dem::Vector3;
+
+
+template<class Work>
+void forEachColumn(Particles& p, const Work& work)
+{
+    work(p.id);
+    work(p.material);
+    for
+    (
+        auto* column :
+        {
+            &p.radius, &p.mass, &p.statisticalWeight, &p.solidFraction,
+            &p.dragRate
+        }
+    )
+    {
+        work(*column);
+    }
+    for
+    (
+        auto* vectors :
+        {
+            &p.position, &p.velocity, &p.spin, &p.gasVelocity,
+            &p.acceleration, &p.dragImpulse
+        }
+    )
+    {
+        work(vectors->x);
+        work(vectors->y);
+        work(vectors->z);
+    }
+}
+
+} // End anonymous namespace
+
 
 void StepParcels::resize(const size_t n)
 {
@@ -37,51 +82,66 @@ void StepParcels::resize(const size_t n)
 }
 
 
-void StepParcels::slowLate()
+void StepParcels::setLateAside()
 {
-    elutria::dem::Particles& all = particles;
-    late_.clear();
-    for (size_t i = 0; i < all.size(); ++i)
+    all_ = Particles();
+    if (std::all_of(share.begin(), share.end(), [](scalar f) { return f == 1; }))
+    {
+        return;
+    }
+    all_ = particles;
+    forEachColumn(particles, [&](auto& column)
+    {
+        size_t kept = 0;
+        for (size_t i = 0; i < column.size(); ++i)
+        {
+            if (share[i] == 1)
+            {
+                column[kept++] = column[i];
+            }
+        }
+        column.resize(kept);
+    });
+}
+
+
+void StepParcels::flyLate(const scalar dt)
+{
+    if (all_.size() == 0)
+    {
+        return;
+    }
+    std::swap(particles, all_);
+    size_t moved = 0;
+    for (size_t i = 0; i < particles.size(); ++i)
     {
         const scalar f = share[i];
         if (f == 1)
         {
+            particles.position.set(i, all_.position[moved]);
+            particles.velocity.set(i, all_.velocity[moved]);
+            particles.spin.set(i, all_.spin[moved]);
+            particles.dragImpulse.set(i, all_.dragImpulse[moved]);
+            ++moved;
             continue;
         }
-        const elutria::dem::Vector3 force(all.acceleration[i]);
-        late_.push_back
-        ({
-            i,
-            elutria::dem::Flight
-            (
-                all.position[i], all.velocity[i], force, all.gasVelocity[i],
-                all.dragRate[i]
-            ),
-            force
-        });
-        all.velocity.set(i, f*all.velocity[i]);
-        all.gasVelocity.set(i, f*all.gasVelocity[i]);
-        all.acceleration.set(i, f*f*force);
-        all.dragRate[i] *= f;
-    }
-}
-
-
-void StepParcels::restoreLate(const scalar dt)
-{
-    elutria::dem::Particles& all = particles;
-    for (const Late& late : late_)
-    {
-        const size_t i = late.i;
-        const scalar f = share[i];
-        const elutria::dem::Vector3 end = late.flight.at(f*dt).velocity;
-
-        all.velocity.set(i, end + (all.velocity[i] - f*end));
-        all.dragImpulse.set
+        const Vector3 force(particles.acceleration[i]);
+        const Flight now
         (
-            i, all.mass[i]*late.flight.dragGain(f*dt, late.force)
+            particles.position[i], particles.velocity[i], force,
+            particles.gasVelocity[i], particles.dragRate[i]
         );
-        all.acceleration.set(i, f*late.force);
+        const Flight end = now.at(f*dt);
+        particles.position.set(i, end.position);
+        particles.velocity.set(i, end.velocity);
+        particles.dragImpulse.set
+        (
+            i, particles.mass[i]*now.dragGain(f*dt, force)
+        );
+
+        // Means over the whole step
+        particles.acceleration.set(i, f*force);
+        particles.dragRate[i] *= f;
     }
 }
 

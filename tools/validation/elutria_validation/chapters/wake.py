@@ -58,7 +58,7 @@ class Settling:
         return 6 * self.cell / self.duration / self.terminal
 
     def error(self, folder: Path, corrected: bool | None) -> float:
-        """Mean relative error of the slip once it is steady, coupled both ways; None: the default."""
+        """Mean relative error of the slip once steady, coupled both ways; None: the default."""
         diameter, terminal, cell, cells = self.diameter, self.terminal, self.cell, 12
         upflow = terminal - self.falling * terminal
         step = min(0.25 * cell / terminal, cell**2 / NU)
