@@ -108,3 +108,18 @@ def test_a_restart_from_before_the_end_takes_back_what_was_recorded_later(
                    f"{CONTROL}:startTime": 0.1})  # fmt: skip
     solve(parts)
     compare(whole, parts, measured, "largest difference of a row, s and m/s")
+
+
+def test_a_feed_made_longer_goes_on_from_what_was_fed(tmp_path: Path, measured) -> None:
+    # while its last parcels enter, which make the mass of the shorter feed exact
+    case = column(tmp_path / "case", {**PARCELS, "duration": 0.05, "particles": 700}, 0.045)
+    run_until(case, 0.045)
+    before = rows(case)
+    change(case, {"constant/feed:duration": 0.1, "constant/feed:particles": 1400})
+    run_until(case, 0.135)
+    assert rows(case)[: len(before)] == before
+    total = json.loads((case / "postProcessing/ledger.json").read_text())["total"]
+    assert total["injected"]["parcels"] == 1400
+    assert total["lost"]["parcels"] == 0
+    measured("mass fed", abs(total["injected"]["mass_kg"] / 8e-4 - 1), 1e-12)
+    measured("mass that is nowhere", total["mass_closure_error"], 1e-12)

@@ -149,11 +149,11 @@ void solveGas
 {
     const bool continued = cloud.solidFractionIsOfWindow();
     setSolidFraction(gas, cloud);
-    if (continued)
+    if (continued && !cloud.feedDisplacesGas())
     {
         gas.setArrived(cloud.arrivedFraction());
     }
-    else
+    else if (!continued)
     {
         gas.forgetVolumeChange();
     }

@@ -129,6 +129,10 @@ ElutriaCloud::ElutriaCloud
         !contacts_
      && !isType<NoCollision<StockCloud::collidingCloudType>>(collision())
     ),
+    feedDisplacesGas_
+    (
+        particleProperties().getOrDefault<Switch>("feedDisplacesGas", false)
+    ),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     solids_(mesh(), kernel_),
     entry_(*this, solids_, feed_),
@@ -155,6 +159,13 @@ void ElutriaCloud::evolve()
     {
         StockTracking td(*this);
         entry_.startStep();
+        if (!stockMotion_)
+        {
+            // OpenFOAM's models move what they inject, and then motion() does
+            // so again. In this part of a collision step they do not: motion()
+            // moves it, for the time since it was injected.
+            td.part() = StockTracking::tpVelocityHalfStep;
+        }
         solve(*this, td);
     }
 }
@@ -173,8 +184,10 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
         coupling_.depositStock();
         return;
     }
+    td.part() = StockTracking::tpLinearTrack;
     sampling_.sample(parcels_, td, dt);
     advanceParticles(dt);
+    parcels_.flyLate(dt);
     tracking_.track(parcels_, td, dt);
 }
 

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/FeedEntry.H"
+#include "cloud/injectorState.H"
 #include "foam/foamVersion.H"
 #include "profiling.H"
 
@@ -53,19 +54,28 @@ void FeedEntry::countArrival(const StockParcel& p)
 }
 
 
-void FeedEntry::countInjected()
+void FeedEntry::takeInjected()
 {
     if (cloud_.size() == injectedFrom_)
     {
         return;
     }
     label k = 0;
-    for (const StockParcel& p : cloud_)
+    for (StockParcel& p : cloud_)
     {
-        if (k++ >= injectedFrom_)
+        if (k++ < injectedFrom_)
         {
-            countArrival(p);
+            continue;
         }
+        countArrival(p);
+
+        // Times of injection are differences of the run's times
+        constexpr scalar rounding = 1e-6;
+        if (p.stepFraction() < rounding)
+        {
+            p.stepFraction() = 0;
+        }
+        p.stepFraction() = min(p.stepFraction(), 1 - rounding);
     }
 }
 
@@ -122,10 +132,20 @@ FeedEntry::FeedEntry(StockCloud& cloud, SolidFraction& solids, const Feed* feed)
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
 
+void FeedEntry::startStep()
+{
+    injectedFrom_ = cloud_.size();
+    for (StockParcel& p : cloud_)
+    {
+        p.stepFraction() = 0;
+    }
+}
+
+
 void FeedEntry::enter()
 {
     addProfiling(feed, "elutria::feed");
-    countInjected();
+    takeInjected();
     if (!injection_)
     {
         return;
@@ -198,6 +218,11 @@ bool FeedEntry::drained(const Count& count) const
 
 void FeedEntry::writeState()
 {
+    writeInjectorState(cloud_);
+    if (feed_)
+    {
+        feed_->writeState();
+    }
     if (recorder_)
     {
         recorder_->writeFiles();

@@ -35,32 +35,6 @@ scalarField solidVolume(const StockCloud& cloud)
 }
 
 
-void StepParcels::resize(const size_t n)
-{
-    starts.resize(n);
-    effectiveMass.resize(n);
-
-    elutria::dem::Particles& all = particles;
-    all.id.resize(n);
-    all.material.resize(n);
-    all.radius.resize(n);
-    all.mass.resize(n);
-    all.statisticalWeight.resize(n);
-    all.dragRate.resize(n);
-    for
-    (
-        auto* vectors :
-        {
-            &all.position, &all.velocity, &all.spin, &all.gasVelocity,
-            &all.acceleration, &all.dragImpulse
-        }
-    )
-    {
-        vectors->resize(n);
-    }
-}
-
-
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 bool GasSampling::readCorrection(const dictionary& properties)
@@ -103,9 +77,9 @@ void GasSampling::seedRandom(const StockParcel& p)
     (
         label
         (
-            scrambled
+            laws::scrambled
             (
-                seed + scrambled(parcelName(p))
+                seed + laws::scrambled(parcelName(p))
               + uint64_t(cloud_.time().timeIndex())
             )
         )
@@ -144,11 +118,14 @@ void GasSampling::sample
     StockTracking& td,
     StepParcels& step,
     const size_t i,
-    const scalar dt
+    const scalar whole
 )
 {
     const auto& forces = cloud_.forces();
     const scalar mass = p.mass();
+
+    step.share[i] = 1 - p.stepFraction();
+    const scalar dt = step.share[i]*whole;
 
     step.starts[i] = p.position();
     p.setCellValues(cloud_, td);
@@ -335,6 +312,7 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
         disturbanceAge_ += dt;
     }
     findSolidFractions(step.particles);
+    step.setLateAside();
 }
 
 

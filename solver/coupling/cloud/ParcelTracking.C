@@ -59,6 +59,11 @@ List<ParcelTracking::Flight> ParcelTracking::flights
             mesh(), mesh().solutionD(), f.displacement
         );
         meshTools::constrainDirection(mesh(), mesh().solutionD(), f.end);
+
+        // As if it had come all the step's way
+        const scalar share = step.share[i];
+        f.displacement /= share;
+        f.start = f.end - (f.end - f.start)/share;
         ++i;
     }
     return flights;
@@ -243,10 +248,6 @@ void ParcelTracking::track
 
     // Parcels still to be tracked, with their flights: first all of the
     // cloud's, then those that arrive from other processors
-    for (StockParcel& p : cloud_)
-    {
-        p.stepFraction() = 0;
-    }
     List<Flight> flightOf(flights(step, dt));
     IDLList<StockParcel> moving;
     moving.transfer(cloud_);

@@ -9,6 +9,7 @@
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
+#include "IOField.H"
 #include "volFields.H"
 #include "mathematicalConstants.H"
 #include "wordRes.H"
@@ -56,7 +57,6 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
     sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
     massFraction(readAtLeast(dict, "massFraction", 0)),
-    numberFraction(0),
     focus(0),
     sizes(dict.subDict("sizeDistribution"))
 {
@@ -69,9 +69,9 @@ Feed::Material::Material(const word& name, const dictionary& dict)
 }
 
 
-scalar Feed::Material::meanMass() const
+elutria::laws::Ingredient Feed::Material::ingredient() const
 {
-    return density*piBy6*sizes.meanCube();
+    return {massFraction, density, &sizes};
 }
 
 
@@ -80,7 +80,7 @@ scalar Feed::Material::meanMass() const
 void Feed::readMaterials()
 {
     const dictionary& dict = subDict("materials");
-    scalar massSum = 0, numberSum = 0;
+    scalar massSum = 0;
 
     materials_.resize(dict.size());
     label n = 0;
@@ -94,7 +94,6 @@ void Feed::readMaterials()
         }
         materials_.set(n, new Material(e.keyword(), e.dict()));
         massSum += materials_[n].massFraction;
-        numberSum += materials_[n].massFraction/materials_[n].meanMass();
         ++n;
     }
 
@@ -106,7 +105,7 @@ void Feed::readMaterials()
     }
     for (Material& m : materials_)
     {
-        m.numberFraction = m.massFraction/m.meanMass()/numberSum;
+        m.massFraction /= massSum;
     }
 }
 
@@ -209,8 +208,11 @@ void Feed::readSchedule(const word& phaseName)
         addParcels(phaseName);
         rate_ = maxParticles_/duration_;
     }
+    slots_ = min(scalar(maxParticles_), duration_*rate_);
+    parcels_ = label(max(scalar(1), std::round(min(slots_, scalar(labelMax)))));
+    readEnds();
 
-    seed_ = scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
+    seed_ = elutria::laws::scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
 
 
@@ -238,7 +240,7 @@ bool Feed::isDilute(const word& phaseName) const
 }
 
 
-Feed::Sampling Feed::readSampling() const
+elutria::laws::Sampling Feed::readSampling() const
 {
     const word parcels(getOrDefault<word>("parcels", "particles"));
     if (parcels == "evenMass")
@@ -274,57 +276,94 @@ label Feed::seedEntry() const
 
 scalar Feed::random(const label i, const label k) const
 {
-    const uint64_t bits =
-        scrambled(seed_ + scrambled((uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1));
-
-    // 53 bits: the mantissa of a double
-    return scalar(bits >> 11)*0x1.0p-53;
+    return elutria::laws::uniform
+    (
+        seed_, (uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1
+    );
 }
 
 
-label Feed::material(const label i) const
+void Feed::drawParcels()
 {
-    scalar u = random(i, 0);
-    label m = 0;
-    const auto share = [&](const Material& material)
+    std::vector<elutria::laws::Ingredient> ingredients;
+    label present = 0;
+    for (const Material& m : materials_)
     {
-        return weighted() ? material.massFraction : material.numberFraction;
-    };
-    while (m < materials_.size() - 1 && u >= share(materials_[m]))
-    {
-        u -= share(materials_[m]);
-        ++m;
+        ingredients.push_back(m.ingredient());
+        present += m.massFraction > 0;
     }
-    return m;
+    if (weighted() && parcels_ < present)
+    {
+        FatalIOErrorInFunction(*this)
+            << "particles is " << parcels_ << ", allowed: >= " << present
+            << ", a parcel of each material" << exit(FatalIOError);
+    }
+    std::vector<double> ends(ends_.cbegin(), ends_.cend());
+    if (ends.empty() || ends.back() < slots_)
+    {
+        ends.push_back(slots_);
+    }
+    drawn_.reset
+    (
+        new elutria::laws::StratifiedFeed
+        (
+            ingredients, sampling_, seed_, massFlow_/rate_, ends
+        )
+    );
 }
 
 
-scalar Feed::place(const label i, const label material) const
+IOobject Feed::stateOf(const word& name, const IOobject::readOption read) const
 {
-    // Van der Corput's sequence: the digits of i in base 2, mirrored
-    uint32_t mirrored = 0;
-    for (int bit = 0; bit < 32; ++bit)
-    {
-        mirrored = (mirrored << 1) | ((uint32_t(i) >> bit) & 1);
-    }
-    const scalar u = mirrored*0x1.0p-32 + random(material, 7);
-    return u - std::floor(u);
+    return IOobject
+    (
+        name, mesh_.time().timeName(), "uniform", mesh_,
+        read, IOobject::NO_WRITE, false
+    );
 }
 
 
-scalar Feed::diameter(const label i, const label material) const
+void Feed::readEnds()
 {
-    const SizeDistribution& sizes = materials_[material].sizes;
-    const scalar u = place(i, material);
-    switch (sampling_)
+    ends_ = IOField<scalar>(stateOf("feedEnds", IOobject::READ_IF_PRESENT));
+}
+
+
+void Feed::writeState() const
+{
+    scalarList begun(ends_);
+    if
+    (
+        (begun.empty() || begun.last() < slots_)
+     && fedUntil(mesh_.time().value()) > label(drawn_->lastBlock())
+    )
     {
-        case Sampling::evenMass:
-            return sizes.quantileByMass(u);
-        case Sampling::evenSizes:
-            return sizes.quantileBySize(u);
-        default:
-            return sizes.quantileByNumber(u);
+        begun.append(slots_);
     }
+    if (begun.size())
+    {
+        const unsigned digits = IOstream::defaultPrecision(17);
+        IOField<scalar>(stateOf("feedEnds", IOobject::NO_READ), begun).write();
+        IOstream::defaultPrecision(digits);
+    }
+}
+
+
+elutria::laws::FedParcel Feed::drawn(const label i) const
+{
+    if (i < 0 || i >= parcels_)
+    {
+        FatalIOErrorInFunction(*this)
+            << "parcel " << i << " is not of this feed, which has " << parcels_
+            << ": was it changed since the run began?" << exit(FatalIOError);
+    }
+    return (*drawn_)[i];
+}
+
+
+scalar Feed::slot(const label i) const
+{
+    return i + random(i, 2)*min(scalar(1), slots_ - i);
 }
 
 
@@ -369,13 +408,16 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     seed_(0),
     sampling_(Sampling::particles),
     massFlow_(0),
-    rate_(0)
+    rate_(0),
+    slots_(0),
+    parcels_(0)
 {
     readMaterials();
     readOutlets();
     velocity_ = getOrDefault<vector>("velocity", Zero);
     readSchedule(phaseName);
     readFocus(phaseName);
+    drawParcels();
 }
 
 
@@ -421,13 +463,12 @@ const Feed& Feed::require
 
 scalar Feed::end() const
 {
-    return start_ + min(duration_, maxParticles_/rate_);
+    return start_ + slots_/rate_;
 }
 
 
 label Feed::fedUntil(const scalar time) const
 {
-    // Particle i enters at start + (i + u_i)/rate
     const scalar slots = (min(time, start_ + duration_) - start_)*rate_;
     if (slots <= 0)
     {
@@ -435,52 +476,48 @@ label Feed::fedUntil(const scalar time) const
     }
 
     const label i = label(min(slots, scalar(labelMax - 1)));
-    const bool entered = i + random(i, 2) < slots;
+    const bool entered = slot(i) < slots;
 
-    return min(i + label(entered), maxParticles_);
+    return min(i + label(entered), parcels_);
 }
 
 
 scalar Feed::mass(const label i) const
 {
-    const label m = material(i);
-    return materials_[m].density*piBy6*pow3(diameter(i, m));
+    const elutria::laws::FedParcel p = drawn(i);
+    return materials_[p.material].density*piBy6*pow3(p.diameter);
 }
 
 
 scalar Feed::number(const label i) const
 {
-    if (!weighted())
-    {
-        return 1;
-    }
-    scalar massOverMean = 1;
-    if (sampling_ == Sampling::evenSizes)
-    {
-        const label m = material(i);
-        massOverMean = materials_[m].sizes.massOverEven(place(i, m));
-    }
-    return massOverMean*massFlow_/(rate_*mass(i));
+    return weighted() ? drawn(i).mass/mass(i) : 1;
 }
 
 
 scalar Feed::meanMass() const
 {
-    scalar mean = 0;
+    scalar number = 0;
     for (const Material& m : materials_)
     {
-        mean += m.numberFraction*m.meanMass();
+        number += m.massFraction/m.ingredient().meanMass();
     }
-    return mean;
+    return 1/number;
+}
+
+
+scalar Feed::numberFraction(const Material& m) const
+{
+    return m.massFraction*meanMass()/m.ingredient().meanMass();
 }
 
 
 scalar Feed::heaviestParcel() const
 {
     scalar heaviest = 0;
-    for (label i = 0; i < 1000; ++i)
+    for (label i = 0; i < min(label(1000), parcels_); ++i)
     {
-        heaviest = max(heaviest, number(i)*mass(i));
+        heaviest = max(heaviest, drawn(i).mass);
     }
     return heaviest;
 }
@@ -488,10 +525,11 @@ scalar Feed::heaviestParcel() const
 
 Feed::Particle Feed::particle(const label i) const
 {
+    const elutria::laws::FedParcel parcel = drawn(i);
     Particle p;
-    p.time = start_ + (i + random(i, 2))/rate_;
-    p.material = material(i);
-    p.diameter = diameter(i, p.material);
+    p.time = start_ + slot(i)/rate_;
+    p.material = parcel.material;
+    p.diameter = parcel.diameter;
     p.number = number(i);
 
     p.position = place(i, p.diameter, false);
@@ -501,7 +539,7 @@ Feed::Particle Feed::particle(const label i) const
 
 point Feed::retreat(const label i) const
 {
-    return place(i, diameter(i, material(i)), true);
+    return place(i, drawn(i).diameter, true);
 }
 
 

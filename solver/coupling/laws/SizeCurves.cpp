@@ -24,7 +24,7 @@ void scale(std::vector<double>& shares)
 
 
 SizeCurves::SizeCurves(CumulativeCurve stated, Weighting weighting)
-    : diameter_(std::move(stated.diameter)), meanCube_(0)
+    : diameter_(std::move(stated.diameter)), limit_(std::move(stated.limit)), meanCube_(0)
 {
     const bool byMass = weighting == Weighting::mass;
     const Shares other = reweighted(stated.finer, byMass ? -3 : 3);
@@ -83,26 +83,19 @@ void SizeCurves::focusOn(double diameter)
 }
 
 
-std::size_t SizeCurves::classAt(const Shares& finer, double u) const
+std::size_t SizeCurves::classAt(const Shares& rising, double value)
 {
-    const auto upper = std::upper_bound(finer.begin(), finer.end(), u) - finer.begin();
-    return std::min(std::max(std::size_t(upper), std::size_t(1)), finer.size() - 1);
+    const auto upper = std::upper_bound(rising.begin(), rising.end(), value) - rising.begin();
+    return std::min(std::max(std::size_t(upper), std::size_t(1)), rising.size() - 1);
 }
 
 
-double SizeCurves::massOverEven(double u) const
+double SizeCurves::finer(const Shares& of, const Shares& value, double x)
 {
-    const std::size_t i = classAt(sizeFiner_, u);
-    return (massFiner_[i] - massFiner_[i - 1])/(sizeFiner_[i] - sizeFiner_[i - 1]);
-}
-
-
-double SizeCurves::quantile(const Shares& finer, double u) const
-{
-    const std::size_t i = classAt(finer, u);
-    const double low = finer[i - 1], high = finer[i];
-    const double s = high > low ? (u - low)/(high - low) : 0;
-    return diameter_[i - 1] + s*(diameter_[i] - diameter_[i - 1]);
+    const std::size_t i = classAt(of, x);
+    const double low = of[i - 1], high = of[i];
+    const double s = high > low ? (x - low)/(high - low) : 0;
+    return s < 1 ? value[i - 1] + s*(value[i] - value[i - 1]) : value[i];
 }
 
 } // namespace elutria::laws

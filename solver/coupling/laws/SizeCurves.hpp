@@ -21,10 +21,11 @@ public:
     double quantileByNumber(double u) const { return quantile(numberFiner_, u); }
     double quantileByMass(double u) const { return quantile(massFiner_, u); }
 
-    /// Diameter at the share u in [0, 1) of the log size axis, or of what focusOn made of it, m; and
-    /// the mass there over that share.
-    double quantileBySize(double u) const { return quantile(sizeFiner_, u); }
-    double massOverEven(double u) const;
+    /// Share of the mass, and of the log size axis or of what focusOn made of it, below a diameter (m);
+    /// and that of the mass at a share u of the latter.
+    double massFiner(double diameter) const { return finer(diameter_, massFiner_, diameter); }
+    double evenFiner(double diameter) const { return finer(diameter_, sizeFiner_, diameter); }
+    double massOfEven(double u) const { return finer(sizeFiner_, massFiner_, u); }
 
     /// From here on half of the log size axis' share lies around a diameter (m), the other half is
     /// even as before; nothing changes where there is no mass.
@@ -35,6 +36,9 @@ public:
 
     double min() const { return diameter_.front(); }
     double max() const { return diameter_.back(); }
+
+    /// Sizes at which classes meet, the smallest and the largest among them, m.
+    const std::vector<double>& limits() const { return limit_; }
 
     /// The curves' points.
     const std::vector<double>& diameters() const { return diameter_; }
@@ -51,15 +55,18 @@ private:
     /// empty, as a share; nothing where all are.
     Shares evenlyAround(double diameter, double factor) const;
 
-    /// Class in which a cumulative curve passes a share.
-    std::size_t classAt(const Shares& finer, double u) const;
+    /// Class in which a rising list passes a value.
+    static std::size_t classAt(const Shares& rising, double value);
+
+    /// One curve's value where another has x, linear between their points.
+    static double finer(const Shares& of, const Shares& value, double x);
 
     /// Cumulative curve with each class' share times d^power, power +-3.
     Shares reweighted(const Shares& finer, int power) const;
 
-    double quantile(const Shares& finer, double u) const;
+    double quantile(const Shares& shares, double u) const { return finer(shares, diameter_, u); }
 
-    std::vector<double> diameter_;
+    std::vector<double> diameter_, limit_;
     Shares numberFiner_, massFiner_;
     Shares sizeFiner_;      // of the log size axis, where it holds any mass
     double meanCube_;

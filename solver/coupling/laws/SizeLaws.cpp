@@ -11,8 +11,56 @@ namespace elutria::laws
 namespace
 {
 
-/// Classes of the grid on which a curve is kept
-constexpr int nClasses = 4096;
+/// Steps of the grid on which a curve is kept
+constexpr int nSteps = 4096;
+
+/// Renard series R20 of ISO 3, 20 a decade: nominal apertures of ISO 565 sieves
+constexpr const char* series[]{
+    "1.0", "1.12", "1.25", "1.4", "1.6", "1.8", "2.0", "2.24", "2.5", "2.8",
+    "3.15", "3.55", "4.0", "4.5", "5.0", "5.6", "6.3", "7.1", "8.0", "9.0"};
+
+
+/// Members of the series between two sizes, rising; read as text, as the tools do
+std::vector<double> seriesBetween(double min, double max)
+{
+    std::vector<double> found;
+    for (int k = int(std::floor(std::log10(min))) - 1; k <= int(std::floor(std::log10(max))); ++k)
+        for (const char* number : series)
+        {
+            const double size = std::stod(number + ("e" + std::to_string(k)));
+            if (size > min && size < max) found.push_back(size);
+        }
+    return found;
+}
+
+
+/// All of both lists, rising; of two that differ by rounding the one of `kept`
+std::vector<double> merged(const std::vector<double>& kept, const std::vector<double>& others)
+{
+    std::vector<double> all(kept);
+    for (const double x : others)
+    {
+        const auto next = std::lower_bound(kept.begin(), kept.end(), x*(1 - 1e-12));
+        if (next == kept.end() || *next > x*(1 + 1e-12)) all.push_back(x);
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+}
+
+
+/// A curve on the grid, with the given limits and those of the series
+template<class Finer>
+CumulativeCurve onGrid(const std::vector<double>& grid, const std::vector<double>& given,
+                       const Finer& finer)
+{
+    CumulativeCurve curve;
+    curve.limit = merged(given, seriesBetween(given.front(), given.back()));
+    curve.diameter = merged(curve.limit, grid);
+    for (const double d : curve.diameter) curve.finer.push_back(finer(d));
+    curve.finer.front() = 0;
+    curve.finer.back() = 1;
+    return curve;
+}
 
 
 /// Standard normal distribution, of a distance over sqrt(2) deviations
@@ -84,14 +132,10 @@ CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double m
         throw std::invalid_argument(text.str());
     }
 
-    CumulativeCurve curve;
-    for (int i = 0; i <= nClasses; ++i)
-    {
-        const double d = min*std::pow(max/min, double(i)/nClasses);
-        curve.diameter.push_back(d);
-        curve.finer.push_back((law.finer(d, parameters) - below)/share);
-    }
-    return curve;
+    std::vector<double> grid;
+    for (int i = 1; i < nSteps; ++i) grid.push_back(min*std::pow(max/min, double(i)/nSteps));
+    return onGrid(grid, {min, max},
+                  [&](double d) { return (law.finer(d, parameters) - below)/share; });
 }
 
 
@@ -108,24 +152,27 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
 
     // A fine grid between the sieves, so that the change of weighting within one sieve class is
     // followed
-    CumulativeCurve curve;
-    for (int i = 0; i <= nClasses; ++i)
+    std::vector<double> grid;
+    for (int i = 1; i < nSteps; ++i)
     {
-        const double s = double(i)/nClasses*(n - 1);
+        const double s = double(i)/nSteps*(n - 1);
         const std::size_t k = std::min(std::size_t(s), n - 2);
-        const auto between = [&](const std::vector<double>& values)
-        { return values[k] + (s - k)*(values[k + 1] - values[k]); };
-        curve.diameter.push_back(between(diameters));
-        curve.finer.push_back(between(finer));
+        grid.push_back(diameters[k] + (s - k)*(diameters[k + 1] - diameters[k]));
     }
-    return curve;
+    return onGrid(grid, diameters, [&](double d)
+    {
+        const auto above = std::upper_bound(diameters.begin(), diameters.end(), d);
+        const std::size_t k = std::min(std::size_t(above - diameters.begin()), n - 1);
+        const double s = (d - diameters[k - 1])/(diameters[k] - diameters[k - 1]);
+        return finer[k - 1] + s*(finer[k] - finer[k - 1]);
+    });
 }
 
 
 CumulativeCurve single(double diameter)
 {
     requirePositive("value", diameter);
-    return {{diameter, diameter}, {0, 1}};
+    return {{diameter, diameter}, {0, 1}, {diameter, diameter}};
 }
 
 } // namespace elutria::laws

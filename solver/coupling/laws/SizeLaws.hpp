@@ -8,6 +8,9 @@
 // each truncated to [min, max] and scaled to end at 1. Besides: a single size, and the table of a
 // sieve analysis, linear between its sieves. Sizes are diameters in m.
 //
+// A curve's classes are those of ISO 3's series R20, in which partition tables are told, and of the
+// sieve analysis itself: shares at their limits are exact.
+//
 // To add a law: a row in SizeLaws.cpp.
 #pragma once
 
@@ -22,6 +25,7 @@ struct CumulativeCurve
 {
     std::vector<double> diameter;    // m, rising
     std::vector<double> finer;       // 0 to 1
+    std::vector<double> limit;       // those of the diameters at which classes meet, m
 };
 
 struct SizeLaw

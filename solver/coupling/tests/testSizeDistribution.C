@@ -105,54 +105,6 @@ TEST_CASE("numbers drawn and weighed give back the mass")
 }
 
 
-TEST_CASE("even sizes carry the mass by their weights")
-{
-    SizeDistribution sizes(read(rosin));
-    for (const bool focused : {false, true})
-    {
-        if (focused)
-        {
-            sizes.focusOn(8e-4);
-        }
-        CHECK
-        (
-            meanOverDraws([&](scalar u) { return sizes.massOverEven(u); })
-         == near(1, 1e-2)
-        );
-        const scalar median = sizes.quantileByMass(0.5);
-        const scalar below = meanOverDraws([&](scalar u)
-        {
-            return sizes.quantileBySize(u) < median ? sizes.massOverEven(u) : 0;
-        });
-        CHECK(below == near(0.5, 1e-2));
-    }
-}
-
-
-TEST_CASE("half of the even sizes and more lie within 30 % of the focus")
-{
-    SizeDistribution sizes(read(rosin));
-    const auto inFocus = [&](scalar u)
-    {
-        const scalar d = sizes.quantileBySize(u);
-        return d > 8e-4/1.3 && d < 8e-4*1.3 ? 1.0 : 0.0;
-    };
-    const scalar before = meanOverDraws(inFocus);
-    sizes.focusOn(8e-4);
-    CHECK
-    (
-        meanOverDraws(inFocus)
-     == near(0.5 + 0.5*before, 1e-2)
-    );
-
-    // Where there is no mass nothing changes
-    SizeDistribution other(read(rosin));
-    const scalar median = other.quantileBySize(0.5);
-    other.focusOn(1);
-    CHECK(other.quantileBySize(0.5) == median);
-}
-
-
 TEST_CASE("a sieve analysis is linear between its sieves; one size is one size")
 {
     const SizeDistribution sieves

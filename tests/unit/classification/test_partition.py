@@ -7,6 +7,7 @@ import pytest
 
 from elutria.classification.events import Events
 from elutria.classification.partition import class_limits, partition_table, wilson
+from elutria.physics import laws
 
 
 def events(number: int, seed: int = 1, weight: float = 1.0) -> Events:
@@ -73,3 +74,10 @@ def test_wilson_covers() -> None:
         seen = random.binomial(80, share, 4_000) / 80
         low, high = np.array([wilson(s, 80) for s in seen]).T
         assert 0.93 < np.mean((low <= share) & (share <= high)) < 0.98
+
+
+def test_the_series_of_sieves_is_the_one_that_the_feed_is_exact_in() -> None:
+    diameters, *_ = laws.law_sizes("uniform", [], 1.03e-4, 1.02e-3, "mass")
+    limits = class_limits(1.03e-4, 1.02e-3)[1:-1]
+    assert len(limits) == 20
+    assert set(limits) <= set(diameters)

@@ -162,7 +162,7 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
                 {"density_kg_m3", json::number(m.density)},
                 {"sphericity", json::number(m.sphericity)},
                 {"mass_fraction", json::number(m.massFraction)},
-                {"number_fraction", json::number(m.numberFraction)},
+                {"number_fraction", json::number(feed.numberFraction(m))},
                 {"smallest_m", json::number(m.sizes.min())},
                 {"largest_m", json::number(m.sizes.max())},
                 {"d10_m", json::number(m.sizes.quantileByMass(0.1))},

@@ -66,7 +66,7 @@ elutria::laws::SceneEstimate ScenePlan::expect
     {
         solids.materials.push_back
         ({
-            m.density, m.massFraction, m.numberFraction,
+            m.density, m.massFraction, feed.numberFraction(m),
             m.sizes.quantileByNumber(0.5)
         });
     }

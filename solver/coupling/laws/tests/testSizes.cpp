@@ -95,7 +95,7 @@ TEST_CASE("quantiles invert the curves")
         CHECK(finer(sizes, sizes.numberFiner(), sizes.quantileByNumber(u)) == near(u, 1e-9));
     }
     CHECK(sizes.quantileByMass(0) == sizes.min());
-    CHECK(sizes.quantileBySize(0.5) == near(std::sqrt(3e-4*2e-3), 1e-3));
+    CHECK(sizes.evenFiner(std::sqrt(3e-4*2e-3)) == near(0.5, 1e-3));
 }
 
 TEST_CASE("a sieve analysis is linear between its sieves")
@@ -105,33 +105,41 @@ TEST_CASE("a sieve analysis is linear between its sieves")
     CHECK(finer(sizes, sizes.massFiner(), 3e-4) == near(0.65, 1e-9));
 }
 
-TEST_CASE("half of the sizes drawn lie within 1.3 of the focus, and weigh the less")
+TEST_CASE("half of the log size axis lies within 1.3 of the focus, and holds the same mass")
 {
     SizeCurves sizes = of("RosinRammler", {9e-4, 3}, 3e-4, 2e-3);
-    const auto mass = [&]
-    {
-        double sum = 0;
-        for (int i = 0; i < 10000; ++i) sum += sizes.massOverEven((i + 0.5)/10000)/10000;
-        return sum;
-    };
-    CHECK(mass() == near(1, 1e-3));
+    const auto near = [&] { return sizes.evenFiner(8e-4*1.3) - sizes.evenFiner(8e-4/1.3); };
+    const double even = 2*std::log(1.3)/std::log(2e-3/3e-4);
+    CHECK(std::abs(near() - even) < 1e-3);
 
     sizes.focusOn(8e-4);
-    int focused = 0;
-    for (int i = 0; i < 10000; ++i)
-    {
-        const double d = sizes.quantileBySize((i + 0.5)/10000);
-        focused += d > 8e-4/1.3 && d < 8e-4*1.3;
-    }
-    CHECK(focused > 6000);      // half of all, and the even half's share
-    CHECK(mass() == near(1, 1e-3));
+    CHECK(std::abs(near() - 0.5*(1 + even)) < 1e-3);
+    for (const double d : {3.5e-4, 6e-4, 8e-4, 15e-4})
+        CHECK(std::abs(sizes.massOfEven(sizes.evenFiner(d)) - sizes.massFiner(d)) < 1e-9);
+
+    // Where there is no mass nothing changes
+    const double median = sizes.evenFiner(8e-4);
+    sizes.focusOn(1);
+    CHECK(sizes.evenFiner(8e-4) == median);
+}
+
+TEST_CASE("shares at the limits of sieves and of the series R20 are exact")
+{
+    const auto law = [](double d) { return 1 - std::exp(-std::pow(d/9e-4, 3)); };
+    const SizeCurves sizes = of("RosinRammler", {9e-4, 3}, 3e-4, 2e-3);
+    for (const double d : {3.15e-4, 5e-4, 1.12e-3, 1.8e-3})
+        CHECK(sizes.massFiner(d) == near((law(d) - law(3e-4))/(law(2e-3) - law(3e-4)), 1e-14));
+    CHECK(sizes.limits().size() == 18);
+
+    const SizeCurves sieves(sieved({1e-4, 1.7e-4, 3.3e-4, 4e-4}, {0, 0.3, 0.4, 1}), Weighting::mass);
+    CHECK(sieves.massFiner(1.7e-4) == 0.3);
+    CHECK(sieves.massFiner(3.3e-4) == 0.4);
 }
 
 TEST_CASE("one size")
 {
     const SizeCurves sizes(single(5e-4), Weighting::mass);
     CHECK(sizes.quantileByNumber(0.3) == 5e-4);
-    CHECK(sizes.quantileBySize(0.3) == 5e-4);
     CHECK(sizes.meanCube() == near(1.25e-10, 1e-9));
 }
 

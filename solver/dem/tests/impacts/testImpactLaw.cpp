@@ -196,6 +196,48 @@ TEST_CASE("impact: rolling resistance as the soft contact has it")
     }
 }
 
+TEST_CASE("impact: rolling friction r costs r of the speed and 4 r of the surface's against the soft contact")
+{
+    double worstVelocity = 0, worstSpin = 0;
+    for (const double rolling : {0.001, 0.01})
+        for (const double other : {0.5e-3, 3e-3})           // radius of the second sphere, m
+            for (const double spin : {0.0, -300.0, 300.0, -1000.0})
+                for (const double sliding : {0.1, 0.3, 0.8, 2.0})
+                {
+                    auto materials = grains(0.9, 0.3);
+                    PairProperties p = materials.pair(0, 0);
+                    p.rollingFriction = rolling;
+                    materials.setPair(0, 0, p);
+                    const ImpactLaw impact = impactLaw(contactLaw<HertzMindlin>, materials);
+                    Particles soft;
+                    scenes::addSphere(soft, {0, 0, 0}, 1e-3, 2500);
+                    scenes::addSphere(soft, {1e-3 + other, 0, 0}, other, 1000);
+                    soft.velocity.set(0, {1, 0, 0});
+                    soft.velocity.set(1, {0, sliding, 0});
+                    soft.spin.set(0, {0, 0, spin});
+                    ImpactBody a{1e-3, 1/soft.mass[0], soft.velocity[0], soft.spin[0]},
+                        b{other, 1/soft.mass[1], soft.velocity[1], soft.spin[1]};
+                    const double mass = 1/(a.inverseMass + b.inverseMass);
+                    Settings settings;
+                    settings.treatment = ContactTreatment::soft;
+                    settings.stepFraction = 0.005;
+                    Engine(settings, materials)
+                        .advance(soft, 3*impact.duration(mass, 1e-3*other/(1e-3 + other), 1));
+                    REQUIRE(collide(a, b, {-1, 0, 0}, impact));
+                    const double scale = rolling*std::hypot(1.0, sliding);
+                    for (const auto& [body, i] : {std::pair(a, 0), std::pair(b, 1)})
+                    {
+                        worstVelocity = std::max(worstVelocity,
+                                                 norm(body.velocity - soft.velocity[i])/scale);
+                        worstSpin = std::max(worstSpin,
+                                             body.radius*norm(body.spin - soft.spin[i])/scale);
+                    }
+                }
+    CHECK(worstVelocity < 1.1);
+    CHECK(worstSpin < 4.2);
+    CHECK(worstSpin > 1);       // the manual names it
+}
+
 TEST_CASE("impact: contact duration as that of the soft law")
 {
     for (const ContactLaw* law : {&contactLaw<LinearSpringDashpot>, &contactLaw<HertzMindlin>})

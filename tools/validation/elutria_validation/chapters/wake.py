@@ -57,8 +57,8 @@ class Settling:
         """Velocity past the cells, six of them in its duration, over the terminal one."""
         return 6 * self.cell / self.duration / self.terminal
 
-    def error(self, folder: Path, corrected: bool) -> float:
-        """Mean relative error of the slip once it is steady, coupled both ways."""
+    def error(self, folder: Path, corrected: bool | None) -> float:
+        """Mean relative error of the slip once steady, coupled both ways; None: the default."""
         diameter, terminal, cell, cells = self.diameter, self.terminal, self.cell, 12
         upflow = terminal - self.falling * terminal
         step = min(0.25 * cell / terminal, cell**2 / NU)

@@ -1,0 +1,149 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "cloud/StepParcels.H"
+#include "impacts/Flight.hpp"
+
+#include <algorithm>
+
+namespace Foam
+{
+
+namespace
+{
+
+using elutria::dem::Flight;
+using elutria::dem::Particles;
+using elutria::dem::Vector3;
+
+
+template<class Work>
+void forEachColumn(Particles& p, const Work& work)
+{
+    work(p.id);
+    work(p.material);
+    for
+    (
+        auto* column :
+        {
+            &p.radius, &p.mass, &p.statisticalWeight, &p.solidFraction,
+            &p.dragRate
+        }
+    )
+    {
+        work(*column);
+    }
+    for
+    (
+        auto* vectors :
+        {
+            &p.position, &p.velocity, &p.spin, &p.gasVelocity,
+            &p.acceleration, &p.dragImpulse
+        }
+    )
+    {
+        work(vectors->x);
+        work(vectors->y);
+        work(vectors->z);
+    }
+}
+
+} // End anonymous namespace
+
+
+void StepParcels::resize(const size_t n)
+{
+    starts.resize(n);
+    effectiveMass.resize(n);
+    share.resize(n);
+
+    elutria::dem::Particles& all = particles;
+    all.id.resize(n);
+    all.material.resize(n);
+    all.radius.resize(n);
+    all.mass.resize(n);
+    all.statisticalWeight.resize(n);
+    all.dragRate.resize(n);
+    for
+    (
+        auto* vectors :
+        {
+            &all.position, &all.velocity, &all.spin, &all.gasVelocity,
+            &all.acceleration, &all.dragImpulse
+        }
+    )
+    {
+        vectors->resize(n);
+    }
+}
+
+
+void StepParcels::setLateAside()
+{
+    all_ = Particles();
+    if (std::all_of(share.begin(), share.end(), [](scalar f) { return f == 1; }))
+    {
+        return;
+    }
+    all_ = particles;
+    forEachColumn(particles, [&](auto& column)
+    {
+        size_t kept = 0;
+        for (size_t i = 0; i < column.size(); ++i)
+        {
+            if (share[i] == 1)
+            {
+                column[kept++] = column[i];
+            }
+        }
+        column.resize(kept);
+    });
+}
+
+
+void StepParcels::flyLate(const scalar dt)
+{
+    if (all_.size() == 0)
+    {
+        return;
+    }
+    std::swap(particles, all_);
+    size_t moved = 0;
+    for (size_t i = 0; i < particles.size(); ++i)
+    {
+        const scalar f = share[i];
+        if (f == 1)
+        {
+            particles.position.set(i, all_.position[moved]);
+            particles.velocity.set(i, all_.velocity[moved]);
+            particles.spin.set(i, all_.spin[moved]);
+            particles.dragImpulse.set(i, all_.dragImpulse[moved]);
+            ++moved;
+            continue;
+        }
+        const Vector3 force(particles.acceleration[i]);
+        const Flight now
+        (
+            particles.position[i], particles.velocity[i], force,
+            particles.gasVelocity[i], particles.dragRate[i]
+        );
+        const Flight end = now.at(f*dt);
+        particles.position.set(i, end.position);
+        particles.velocity.set(i, end.velocity);
+        particles.dragImpulse.set
+        (
+            i, particles.mass[i]*now.dragGain(f*dt, force)
+        );
+
+        // Means over the whole step
+        particles.acceleration.set(i, f*force);
+        particles.dragRate[i] *= f;
+    }
+}
+
+
+} // End namespace Foam
