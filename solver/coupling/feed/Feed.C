@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "feed/Feed.H"
+#include "feed/FeedRecord.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
@@ -178,7 +179,9 @@ void Feed::readSchedule(const word& phaseName)
     }
 
     massFlow_ =
-        found("massFlowRate")
+        told_.found("massFlow")
+      ? told_.get<scalar>("massFlow")
+      : found("massFlowRate")
       ? readPositive(*this, "massFlowRate")
       : readPositive(*this, "loading")*gasMassFlow(phaseName);
 
@@ -216,6 +219,11 @@ void Feed::readSchedule(const word& phaseName)
 
 void Feed::addParcels(const word& phaseName)
 {
+    if (told_.found("parcels"))
+    {
+        maxParticles_ = told_.get<label>("parcels");
+        return;
+    }
     if (!found("particlesPerParcel"))
     {
         return;
@@ -275,7 +283,11 @@ label Feed::seedEntry() const
 scalar Feed::random(const label i, const label k) const
 {
     const uint64_t bits =
-        scrambled(seed_ + scrambled((uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1));
+        scrambled
+        (
+            seed_
+          + scrambled((uint64_t(uint32_t(first_ + i)) << 8) + uint64_t(k) + 1)
+        );
 
     // 53 bits: the mantissa of a double
     return scalar(bits >> 11)*0x1.0p-53;
@@ -369,7 +381,48 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     seed_(0),
     sampling_(Sampling::particles),
     massFlow_(0),
-    rate_(0)
+    rate_(0),
+    first_(0)
+{
+    goOn(phaseName);
+    readAll(phaseName);
+}
+
+
+Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
+:
+    IOdictionary
+    (
+        IOobject
+        (
+            "feed",
+            mesh.time().constant(),
+            mesh,
+            IOobject::NO_READ,
+            IOobject::NO_WRITE,
+            false
+        ),
+        told.subDict("settings")
+    ),
+    mesh_(mesh),
+    entrance_(mesh, *this),
+    start_(0),
+    duration_(0),
+    drainTime_(GREAT),
+    maxParticles_(labelMax),
+    asked_(labelMax),
+    seed_(0),
+    sampling_(Sampling::particles),
+    massFlow_(0),
+    rate_(0),
+    first_(0)
+{
+    takeOver(phaseName, told);
+    readAll(phaseName);
+}
+
+
+void Feed::readAll(const word& phaseName)
 {
     readMaterials();
     readOutlets();
@@ -389,6 +442,13 @@ const Feed* Feed::find(const fvMesh& mesh, const word& phaseName)
     IOobject header("feed", mesh.time().constant(), mesh, IOobject::MUST_READ);
     if (!header.typeHeaderOk<IOdictionary>(false))
     {
+        if (!feedRecord::read(mesh).empty())
+        {
+            FatalErrorInFunction
+                << "constant/feed: file not found, but the run came to time "
+                << mesh.time().timeName() << " with it; allowed: that file, or"
+                << " a run from the start" << exit(FatalError);
+        }
         return nullptr;
     }
 
@@ -427,21 +487,33 @@ scalar Feed::end() const
 
 label Feed::fedUntil(const scalar time) const
 {
+    if (before_ && time <= start_)
+    {
+        return before_->fedUntil(time);
+    }
+
     // Particle i enters at start + (i + u_i)/rate
     const scalar slots = (min(time, start_ + duration_) - start_)*rate_;
     if (slots <= 0)
     {
-        return 0;
+        return first_;
     }
 
     const label i = label(min(slots, scalar(labelMax - 1)));
     const bool entered = i + random(i, 2) < slots;
 
-    return min(i + label(entered), maxParticles_);
+    return first_ + min(i + label(entered), maxParticles_);
 }
 
 
 scalar Feed::mass(const label i) const
+{
+    const Feed& own = stretchOf(i);
+    return own.ownMass(i - own.first_);
+}
+
+
+scalar Feed::ownMass(const label i) const
 {
     const label m = material(i);
     return materials_[m].density*piBy6*pow3(diameter(i, m));
@@ -449,6 +521,13 @@ scalar Feed::mass(const label i) const
 
 
 scalar Feed::number(const label i) const
+{
+    const Feed& own = stretchOf(i);
+    return own.ownNumber(i - own.first_);
+}
+
+
+scalar Feed::ownNumber(const label i) const
 {
     if (!weighted())
     {
@@ -460,7 +539,7 @@ scalar Feed::number(const label i) const
         const label m = material(i);
         massOverMean = materials_[m].sizes.massOverEven(place(i, m));
     }
-    return massOverMean*massFlow_/(rate_*mass(i));
+    return massOverMean*massFlow_/(rate_*ownMass(i));
 }
 
 
@@ -480,7 +559,7 @@ scalar Feed::heaviestParcel() const
     scalar heaviest = 0;
     for (label i = 0; i < 1000; ++i)
     {
-        heaviest = max(heaviest, number(i)*mass(i));
+        heaviest = max(heaviest, ownNumber(i)*ownMass(i));
     }
     return heaviest;
 }
@@ -488,11 +567,18 @@ scalar Feed::heaviestParcel() const
 
 Feed::Particle Feed::particle(const label i) const
 {
+    const Feed& own = stretchOf(i);
+    return own.ownParticle(i - own.first_);
+}
+
+
+Feed::Particle Feed::ownParticle(const label i) const
+{
     Particle p;
     p.time = start_ + (i + random(i, 2))/rate_;
     p.material = material(i);
     p.diameter = diameter(i, p.material);
-    p.number = number(i);
+    p.number = ownNumber(i);
 
     p.position = place(i, p.diameter, false);
     return p;
@@ -501,7 +587,9 @@ Feed::Particle Feed::particle(const label i) const
 
 point Feed::retreat(const label i) const
 {
-    return place(i, diameter(i, material(i)), true);
+    const Feed& own = stretchOf(i);
+    const label k = i - own.first_;
+    return own.place(k, own.diameter(k, own.material(k)), true);
 }
 
 
