@@ -183,6 +183,7 @@ def test_a_longer_drain_goes_on_and_a_restart_from_before_forgets_it(tmp_path: P
     assert ledger(case)["lost"]["parcels"] == 0
 
 
+@pytest.mark.slow
 def test_two_processors_go_on_as_one_does(case: Path, tmp_path: Path) -> None:
     del case
     one = begun(tmp_path / "one")
