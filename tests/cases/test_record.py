@@ -86,7 +86,7 @@ def case(half_way: Path, tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     "setting, words",
     [
-        ({f"{FEED_FILE}:seed": 7}, ["constant/feed: seed is 7", "with 1"]),
+        ({f"{FEED_FILE}:seed": 7}, ["constant/feed: seed is 7", "was 1"]),
         ({f"{FEED_FILE}:materials/solid/density": 1500}, ["solid/density is 1500", "2650"]),
         ({f"{FEED_FILE}:parcels": "evenMass"}, ["parcels is evenMass", "evenSizes"]),
         ({f"{FEED_FILE}:velocity": [0.3, 0, 0]}, ["velocity", "0.3", "0.2"]),

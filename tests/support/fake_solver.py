@@ -3,7 +3,8 @@
 The partition is log-logistic in d/d50 with exponent 8, d50 = 100 um s/m x gas velocity x
 (loading/0.2)^0.1.
 FAKE_FAIL_AT (a velocity) makes it diverge, FAKE_CUT_AT makes it end without a word, FAKE_SLEEP
-(s) makes it slow; each start is a line in FAKE_STARTS. It leaves a time's folder behind, and refuses to go on from one with another seed, as the real one does.
+(s) makes it slow; each start is a line in FAKE_STARTS. It leaves a
+time's folder behind, and refuses to go on from one with another seed, as the real one does.
 """
 
 import json

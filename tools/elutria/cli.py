@@ -235,7 +235,8 @@ def _show(tables: Classification) -> None:
 
     if tables.summary:
         table = summary_table(tables.summary)
-        print_table(console, table, keys=2 if table.columns[1].header == "material" else 1)
+        keys = [column.header for column in table.columns].index("d25")
+        print_table(console, table, keys)
     for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 

@@ -166,7 +166,7 @@ void refuse(const fvMesh& mesh, const Change& change, const string& allowed)
     FatalErrorInFunction
         << change.file.c_str() << ": " << change.entry.c_str() << " is "
         << change.now.c_str() << ", but the run came to time "
-        << mesh.time().timeName() << " with " << change.before.c_str()
+        << mesh.time().timeName() << " when it was " << change.before.c_str()
         << "; allowed: " << allowed.c_str() << exit(FatalError);
 }
 
@@ -272,7 +272,9 @@ wordHashSet feedRecord::changes
     for (const word folder : {"system", "constant"})
     {
         const dictionary& now = files.subDict(folder);
-        for (const word& name : (before.subDict(folder) + now).toc())
+        wordHashSet both(before.subDict(folder).toc());
+        both |= wordHashSet(now.toc());
+        for (const word& name : both.sortedToc())
         {
             compare
             (

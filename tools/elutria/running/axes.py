@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
+from elutria import tables
 from elutria.case.case import SEED, VELOCITY, Case, Setting
 from elutria.errors import InputError, one_line
 from elutria.files import read_text
 
-VELOCITY_COLUMN = "gas_velocity_m_s"
 _MOST = 1000
 
 
@@ -35,7 +35,10 @@ class Point:
     def title(self) -> str:
         """`5 m/s`, `5 m/s, loading 0.2`."""
         return ", ".join(
-            [f"{self.velocity:g} m/s", *(f"{short(name)} {value}" for name, value in self.others)]
+            [
+                f"{self.velocity:g} m/s",
+                *(f"{tables.short(name)} {value}" for name, value in self.others),
+            ]
         )
 
     @property
@@ -48,12 +51,6 @@ class Point:
     def settings(self) -> list[str]:
         """As `--set` takes them; the velocity is given apart from them."""
         return [f"{name}={value}" for name, value in self.others]
-
-
-def short(name: str) -> str:
-    """FILE:ENTRY without what the eye can do without: `loading`, `quartz/density`."""
-    entry = name.partition(":")[2]
-    return "/".join(part for part in entry.split("/")[-2:] if part != "materials")
 
 
 def _in_names(text: str) -> str:
@@ -173,10 +170,10 @@ def read_points(case: Case, file: Path) -> list[Point]:
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{file}: column '{name}' is there twice")
-        if name != VELOCITY_COLUMN:
+        if name != tables.VELOCITY:
             if ":" not in name:
                 raise InputError(
-                    f"{file}: column '{one_line(name, 40)}'; allowed: {VELOCITY_COLUMN}, "
+                    f"{file}: column '{one_line(name, 40)}'; allowed: {tables.VELOCITY}, "
                     "FILE:ENTRY such as system/simulationParameters:loading"
                 )
             own_value(case, name, f"{file}: column")
@@ -186,10 +183,10 @@ def read_points(case: Case, file: Path) -> list[Point]:
             raise InputError(f"{file}: line {number} has {len(row)} cells; allowed: {len(names)}")
         entries = {name: cell.strip() for name, cell in zip(names, row, strict=True)}
         for name, cell in entries.items():
-            number_due = name == VELOCITY_COLUMN or _is_number(own_value(case, name))
+            number_due = name == tables.VELOCITY or _is_number(own_value(case, name))
             if not cell or (number_due and not _is_number(cell)):
                 raise InputError(f"{file}: {name}: '{cell}' in line {number}; allowed: a number")
-        text = entries.pop(VELOCITY_COLUMN, entries.pop(VELOCITY, None))
+        text = entries.pop(tables.VELOCITY, entries.pop(VELOCITY, None))
         velocity = case.velocity() if text is None else parse_velocities(text)[0]
         found.append((velocity, entries))
     return _points(case, found)
