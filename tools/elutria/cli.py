@@ -166,6 +166,37 @@ def sweep(
         )
 
 
+@app.command(epilog="Example: elutria find cases/column --d50 500e-6 --to results/find")
+def find(
+    case: CaseArgument,
+    d50: Annotated[float, typer.Option("--d50", help="The cut size that is asked for, m.")],
+    vary: Annotated[
+        str | None,
+        typer.Option(metavar="FILE:ENTRY=A:B", help="Setting to find; default: gas velocity."),
+    ] = None,
+    material: Annotated[str, typer.Option(help="Whose cut size; default: of all.")] = "all",
+    most_runs: Annotated[int, typer.Option(help="Runs at most.")] = 12,
+    to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
+    set_: SetOption = None,
+    np: ProcessorsOption = 1,
+) -> None:
+    """Find the gas velocity, or another setting, that has a cut size, in few runs."""
+    from elutria.case.case import Case
+    from elutria.running.inverse import answer
+
+    source = Case(case)
+    folder = (to or Path("results") / source.name).resolve()
+    _refuse_overlap(source.path, folder)
+    with _SweepDisplay(1) as display:
+        lines, tables = answer(
+            source, folder, (d50, material, vary, most_runs), set_ or [], np, display
+        )
+    _show(tables)
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    _plot(folder)
+
+
 @app.command(epilog="Example: elutria classify results/column/U5 --json")
 def classify(
     case: CaseArgument,

@@ -131,8 +131,9 @@ def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) ->
             worst = max(here, key=lambda row: row["inside_kg"])
             notes.append(
                 f"{tables.title(here[0])}: {100 * share:.2g} % of the feed's mass is still in the "
-                f"column, most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it out; d50 "
-                f"may shift by up to {100 * shift:.2g} %. Increase drainTime in constant/feed."
+                f"column, most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it "
+                f"out; d50 may shift by up to {100 * shift:.2g} %. Increase drainTime in "
+                "constant/feed."
             )
     return notes
 

@@ -137,6 +137,14 @@ def same_value(one: str, other: str) -> bool:
     return one.split() == other.split()
 
 
+def number_or_word(text: str) -> float | str:
+    """A value of an entry as a cell of a table."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def grid(case: Case, velocity: str | None, axes: Iterable[str]) -> list[Point]:
     """All combinations of gas velocities (`A:B:N|LIST`; None: the case's own) and axes."""
     values: dict[str, list[str]] = {}

@@ -14,7 +14,7 @@ from elutria.classification.events import join, read_run
 from elutria.errors import InputError
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json
-from elutria.running.axes import Point, own_value, same_value
+from elutria.running.axes import Point, number_or_word, own_value, same_value
 from elutria.running.marker import FINISHED, SWEEP, Identity, Marker, open_results
 from elutria.running.run import wall_time
 
@@ -119,14 +119,6 @@ class _OwnValues(dict[str, str]):
     def __missing__(self, name: str) -> str:
         self[name] = own_value(self.case, name)
         return self[name]
-
-
-def number_or_word(text: str) -> float | str:
-    """A value of an entry as a cell of a table."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _axes(points: Iterable[Point]) -> list[str]:
