@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from elutria.case.case import Case
 from elutria_validation.harness.box import BoxCase
 from elutria_validation.harness.cases import (
     CLOUD,
@@ -206,3 +207,9 @@ def test_two_processors_go_on_as_one_does(case: Path, tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 2
     assert "constant/feed: seed is 2" in done.stdout
+
+
+def test_a_result_is_labelled_by_what_was_run(case: Path) -> None:
+    change(case, {f"{PARAMETERS}:gasVelocity": 3})
+    assert Case(case).velocity() == 3
+    assert Case(case).velocity_of_run() == 2

@@ -252,7 +252,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
 
     case = Case(folder)
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
-    velocity = case.velocity()
+    velocity = case.velocity_of_run()
     tables = classify_run(read_run(folder), velocity, seconds)
     tables.write(to)
     write_theory(case, [velocity], to)

@@ -12,6 +12,7 @@
 #include "OSspecific.H"
 #include "IOdictionary.H"
 #include "Time.H"
+#include "wordRes.H"
 
 namespace Foam
 {
@@ -32,10 +33,10 @@ const wordHashSet entriesOfFeed
     "focus", "velocity", "seed", "materials"
 });
 
-//- How contacts are computed, not what they are
-const wordHashSet numerics
+//- How contacts are computed, not what they are; and the files' headers
+const wordHashSet ignored
 ({
-    "threads", "treatment", "search", "cellLayers", "step", "stepFraction"
+    "FoamFile", "threads", "treatment", "search", "cellLayers", "step", "stepFraction"
 });
 
 
@@ -131,7 +132,7 @@ void compare
     {
         const entry* a = before.findEntry(name, keyType::LITERAL);
         const entry* b = now.findEntry(name, keyType::LITERAL);
-        if (name == "FoamFile" || numerics.found(name))
+        if (ignored.found(name))
         {
             continue;
         }
@@ -171,17 +172,25 @@ void refuse(const fvMesh& mesh, const Change& change, const string& allowed)
 }
 
 
-//- Files in CASE/folder that settings are read from
+//- Names of the files that settings are read from, by folder
+const HashTable<wordRes> settingsFiles
+({
+    {"constant", wordRes({
+        wordRe("g"), wordRe("transportProperties"),
+        wordRe("turbulenceProperties.*", wordRe::REGEX),
+        wordRe(".*CloudProperties", wordRe::REGEX)
+    })},
+    {"system", wordRes({wordRe("simulationParameters")})}
+});
+
+
+//- Those that CASE/folder has
 wordList filesIn(const word& folder, const fileName& place)
 {
     DynamicList<word> names;
     for (const fileName& file : readDir(place, fileName::FILE, false))
     {
-        const bool constant =
-            file == "g" || file == "transportProperties"
-         || file.startsWith("turbulenceProperties")
-         || file.endsWith("CloudProperties");
-        if (folder == "constant" ? constant : file == "simulationParameters")
+        if (settingsFiles[folder].match(file))
         {
             names.append(file);
         }
@@ -306,7 +315,7 @@ wordHashSet feedRecord::changes
 void feedRecord::refuse
 (
     const fvMesh& mesh,
-    const word& entry,
+    const keyType& entry,
     const dictionary& before,
     const dictionary& now,
     const string& allowed

@@ -77,7 +77,7 @@ void Feed::beginStretch
 )
 {
     const dictionary& was = record.subDict("case");
-    const auto refuse = [&](const word& entry, const string& allowed)
+    const auto refuse = [&](const keyType& entry, const string& allowed)
     {
         feedRecord::refuse(mesh_, entry, was, case_, allowed);
     };
@@ -93,15 +93,16 @@ void Feed::beginStretch
     const scalar now = mesh_.time().value();
     const scalar duration = case_.getOrDefault<scalar>("duration", GREAT);
     const scalar durationBefore = was.getOrDefault<scalar>("duration", GREAT);
-    const label particles = case_.getOrDefault<label>("particles", 0);
-    const label particlesBefore = was.getOrDefault<label>("particles", 0);
+    const label particles = case_.getOrDefault<label>("particles", labelMax);
+    const label particlesBefore = was.getOrDefault<label>("particles", labelMax);
     const bool otherRate =
         changed.found("loading") || changed.found("massFlowRate");
     const bool spread =
-        before_->weighted() && case_.found("duration") && particles > 0;
+        before_->weighted() && case_.found("duration")
+     && case_.found("particles");
 
     // Parcels that weigh as before go on where the feed would have ended
-    const scalar wanted = particles*durationBefore;
+    const scalar wanted = scalar(particles)*durationBefore;
     const bool goesOn =
         !otherRate
      && duration >= durationBefore

@@ -141,8 +141,9 @@ def test_a_grid_has_its_settings_as_columns(
 ) -> None:
     to = tmp_path / "results"
     sweep(column, to, "4,5")
-    sweep(column, to, "4,5", vary=[f"{LOADING}=0.2,0.8"])
-    assert len(started(fake_solver)) == 4  # 0.2 is the case's own
+    sweep(column, to, "4,5", vary=[f"{LOADING}=0.1,0.8"])
+    sweep(column, to, "4", vary=[f"{LOADING}=0.2"])
+    assert len(started(fake_solver)) == 6  # 0.2 is the case's own
     assert (to / "U4_loading=0.8/finished.json").is_file()
     for name, columns in (("summary", tables.SUMMARY), ("partition", tables.PARTITION),
                           ("fit", tables.FIT), ("curve", tables.CURVE)):  # fmt: skip
@@ -150,13 +151,14 @@ def test_a_grid_has_its_settings_as_columns(
         head = (to / f"{name}.csv").read_text().splitlines()[0].split(",")
         assert head == [*columns, LOADING]
         assert {(row["gas_velocity_m_s"], row[LOADING]) for row in rows} == {
-            (4, 0.2), (5, 0.2), (4, 0.8), (5, 0.8)
+            (u, loading) for u in (4, 5) for loading in (0.1, 0.2, 0.8)
         }  # fmt: skip
     summary = read_csv(to / "summary.csv", tables.SUMMARY)
     cut = {(r["gas_velocity_m_s"], r[LOADING]): r["d50_m"] for r in summary}
     assert cut[4, 0.8] / cut[4, 0.2] == pytest.approx(4**0.1, rel=0.1)
+    assert list(dict.fromkeys(r[LOADING] for r in summary)) == [0.1, 0.2, 0.8]
     known = json.loads((to / "sweep.json").read_text())
-    assert known["varied"] == {LOADING: [0.2, 0.8]}
+    assert known["varied"] == {LOADING: [0.1, 0.2, 0.8]}
     assert known["settings"] == SMALL
 
 

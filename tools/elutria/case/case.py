@@ -126,6 +126,19 @@ class Case:
         parameters = self.dictionary(PARAMETERS, with_included=True)
         return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
 
+    def velocity_of_run(self) -> float:
+        """Gas velocity (m/s) with which the solver came to the last time that it wrote, from its
+        record; of a case that has not run, or has no record, that of its files."""
+        parts = [part for part in (self.path, self.path / "processor0") if part.is_dir()]
+        times = [time for part in parts for time in part.iterdir() if _is_time(time.name)]
+        written = [time for time in times if (time / "uniform/feed").is_file()]
+        if not written:
+            return self.velocity()
+        last = max(written, key=lambda time: float(time.name))
+        record = read_dictionary(last / "uniform/feed", self.path)
+        parameters = record.sub("files").sub("system").sub("simulationParameters")
+        return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
+
     def gravity(self) -> float:
         """Magnitude of constant/g, m/s2."""
         entries = self.dictionary("constant/g")

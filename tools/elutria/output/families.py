@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
@@ -78,12 +79,18 @@ def contour_figure(rows: list[Row], width: float) -> Figure:
             triangles = Triangulation(_scaled(known, names[0]), _scaled(known, names[1])).triangles
             filled = place.tricontourf(x, y, triangles, value, levels=9, cmap="viridis")
             figure.colorbar(filled, ax=place)
-        place.plot(x, y, "o", ms=3, color="white", mec="black", mew=0.6)
+        place.plot(x, y, "o", ms=3, color="white", mec="black", mew=0.6, clip_on=False, zorder=5)
         place.set_title(title, fontsize=mpl.rcParams["axes.labelsize"])
         place.set_ylabel(axis_label(names[1]))
-        for name, set_scale in zip(names, (place.set_xscale, place.set_yscale), strict=True):
+        for name, scale_of, axis in (
+            (names[0], place.set_xscale, place.xaxis),
+            (names[1], place.set_yscale, place.yaxis),
+        ):
             if _is_wide(rows, name):
-                set_scale("log")
+                scale_of("log")
+                axis.set_major_locator(LogLocator(base=10, subs=(1.0, 2.0, 5.0)))
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
     axes[-1].set_xlabel(axis_label(names[0]))
     return figure
 
@@ -98,7 +105,7 @@ def _is_number(rows: list[Row], name: str) -> bool:
 
 def _is_wide(rows: list[Row], name: str) -> bool:
     """Whether a setting's values are better told apart by their logarithms."""
-    values = [row[name] for row in rows]
+    values = [float(row[name]) for row in rows]
     return min(values) > 0 and max(values) / min(values) >= 8
 
 
@@ -107,4 +114,5 @@ def _scaled(rows: list[Row], name: str) -> Array:
     values = np.array([row[name] for row in rows], dtype=float)
     if _is_wide(rows, name):
         values = np.log(values)
-    return (values - values.min()) / max(float(np.ptp(values)), 1e-300)
+    scaled: Array = (values - values.min()) / max(float(np.ptp(values)), 1e-300)
+    return scaled

@@ -179,6 +179,7 @@ def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
                 color=colour, linewidth=0.9,
             )  # fmt: skip
     _label_cuts(axes, across)
+    axes.set_xlim(left=0)
     axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
     _cut_size_legend(axes, materials, lines if across == tables.VELOCITY else [])
     return figure
@@ -218,7 +219,6 @@ def _draw_cuts(axes: Axes, rows: list[Row], across: str, colour: Any, joined: bo
 def _label_cuts(axes: Axes, across: str) -> None:
     axes.set_xlabel(axis_label(across))
     axes.set_ylabel("cut size  $d_{50}$  (µm)")
-    axes.set_xlim(left=0)
 
 
 def _cut_size_legend(axes: Axes, materials: list[str], lines: list[Row]) -> None:

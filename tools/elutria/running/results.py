@@ -41,11 +41,15 @@ class Results:
             if marker is not None and not self._foreign(marker):
                 found.append((self._point(marker), marker.replicate, path))
         runs: dict[Point, list[Path]] = {}
-        for point, _, path in sorted(
-            found, key=lambda run: (_in_order(run[0]), run[0].velocity, run[1])
-        ):
+        for point, _, path in sorted(found, key=lambda run: run[1]):
             runs.setdefault(point, []).append(path)
-        return runs
+        names = _axes(runs)
+        in_order = sorted(runs, key=lambda point: (self._rank(point, names), point.velocity))
+        return {point: runs[point] for point in in_order}
+
+    def _rank(self, point: Point, names: Iterable[str]) -> list[tuple[bool, float | str]]:
+        """By the values of the settings: numbers rise, words follow by letters."""
+        return [(isinstance(v, str), v) for v in self._values(point, names).values()]
 
     def _foreign(self, marker: Marker) -> bool:
         mine, given = self.identity, marker.identity.settings
@@ -127,9 +131,3 @@ def _axes(points: Iterable[Point]) -> list[str]:
 
 def _distinct(values: Iterable[Any]) -> list[Any]:
     return sorted(set(values), key=lambda value: (isinstance(value, str), value))
-
-
-def _in_order(point: Point) -> list[tuple[str, bool, float | str]]:
-    """Points by their other settings: numbers rise, words by letters."""
-    values = [(name, number_or_word(value)) for name, value in point.others]
-    return [(name, isinstance(value, str), value) for name, value in values]
