@@ -63,6 +63,9 @@ def test_runs_that_are_there_are_used(column: Path, fake_solver: Path, tmp_path:
     lines, tables = answer(Case(column), to, (500e-6, "all", None, 12), SMALL, 1, Silent())
     (value,) = re.findall(r"at (\S+) m/s", lines[0])
     assert float(value) == pytest.approx(5, rel=0.06)
+    low, high = (float(x) for x in re.findall(r"95 %: (\S+) to (\S+)\)", lines[0])[0])
+    assert low < 5 < high
+    assert high / low < 1.2
     first = len(fake_solver.read_text().splitlines())
     assert first <= 4
     assert {row["material"] for row in tables.summary} == {"quartz", "all"}

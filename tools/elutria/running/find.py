@@ -148,16 +148,24 @@ def _kept(value: float, low: float, high: float) -> float:
     return min(max(float(f"{value:.4g}"), low), high)
 
 
-def interval(asked: Asked, cuts: list[Cut], answer: Cut) -> tuple[float, float, float]:
+def interval(asked: Asked, cuts: list[Cut], answer: Cut, case: Case) -> tuple[float, float, float]:
     """The setting that has the asked size, and its 95 % interval: that of the run's d50 along the
-    power law through the two runs nearest to it (of a single one, d50 in proportion)."""
-    others = [cut for cut in cuts if cut is not answer and isfinite(cut.d50)]
-    slope = 1.0
-    if others:
-        near = min(others, key=lambda cut: abs(log(cut.value / answer.value)))
-        slope = log(near.value / answer.value) / (log(near.d50 / answer.d50) or 1e-12)
+    power law through the two runs nearest to it (of a single one, along the theory's)."""
+    slope = _slope(asked, cuts, answer, case)
     value, low, high = (
         answer.value * (asked.d50 / size) ** slope if isfinite(size) and size > 0 else float("nan")
         for size in (answer.d50, answer.low, answer.high)
     )
     return value, min(low, high), max(low, high)
+
+
+def _slope(asked: Asked, cuts: list[Cut], answer: Cut, case: Case) -> float:
+    """How the setting goes with the cut size: the power of the one that the other is."""
+    others = [cut for cut in cuts if cut is not answer and isfinite(cut.d50)]
+    if others:
+        near = min(others, key=lambda cut: abs(log(cut.value / answer.value)))
+        return log(near.value / answer.value) / (log(near.d50 / answer.d50) or 1e-12)
+    if asked.name == VELOCITY:
+        one, other = (floats_at(case, size * asked.d50, asked.material) for size in (0.99, 1.01))
+        return log(other / one) / log(1.01 / 0.99)
+    return 0.0  # one run of another setting: that it met the size is all that is known

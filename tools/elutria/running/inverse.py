@@ -47,7 +47,7 @@ def answer(
     best, cuts = search(asked, known, run, case)
     if not made.summary:
         made, _ = results.write_tables({})
-    value, low, high = interval(asked, cuts, best)
+    value, low, high = interval(asked, cuts, best, case)
     unit = "m/s" if asked.name == VELOCITY else asked.name
     return [
         f"d50 {asked.d50 * 1e6:.4g} um at {value:.4g} {unit} (95 %: {low:.4g} to {high:.4g}); "
