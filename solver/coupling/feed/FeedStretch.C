@@ -154,8 +154,12 @@ void Feed::beginStretch
     {
         told_.add("massFlow", before_->massFlow());
     }
-    Info<< "elutria: feed changes at time " << from << ": "
-        << changed.sortedToc() << " of constant/feed" << endl;
+    Info<< "elutria: feed changes at time " << from << ':';
+    for (const word& entry : changed.sortedToc())
+    {
+        Info<< ' ' << entry;
+    }
+    Info<< " of constant/feed" << endl;
 }
 
 
