@@ -14,6 +14,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,8 +23,9 @@ import pytest
 
 from elutria import tables
 from elutria_validation.harness.box import BoxCase, Contacts
-from elutria_validation.harness.cases import CONTROL, add_feed, material
+from elutria_validation.harness.cases import CONTROL, PARAMETERS, add_feed, material
 from elutria_validation.harness.programs import run_program
+from tests.conftest import COLUMN
 
 MOMENTS = [0.6, 0.85, *(pytest.param(None, marks=pytest.mark.slow, id=f"random {k}")
                         for k in range(18))]  # fmt: skip
@@ -128,6 +130,28 @@ def test_a_killed_solver(
         killed(case, SERIAL, part * seconds, lambda pid: pid)
     finish(case, SERIAL)
     check(outcome(case), whole)
+
+
+@pytest.mark.slow
+def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
+    """`elutria run`, killed with its solver on the way: the same rows as of a run nobody touched"""
+    few = {"particles": "300", "feedTime": "0.5", "drainTime": "0.5"}
+    settings = [w for k, v in few.items() for w in ("--set", f"{PARAMETERS}:{k}={v}")]
+    settings += ["--set", f"{CONTROL}:writeInterval=0.1"]
+    command = [sys.executable, "-m", "elutria", "run", str(COLUMN), *settings, "--to"]
+    whole, case = tmp_path / "whole", tmp_path / "case"
+    subprocess.run([*command, str(whole)], check=True, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen([*command, str(case)], stdout=subprocess.DEVNULL)
+    written = case / "0.3/uniform/feed"
+    while not written.is_file() and process.poll() is None:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    time.sleep(1)  # its solver ends with it
+    assert not (case / "finished.json").exists()
+    subprocess.run([*command, str(case)], check=True, stdout=subprocess.DEVNULL)
+    assert len(list((case / "postProcessing/outlets").iterdir())) == 2, "it began again"
+    check(outcome(case), outcome(whole))
 
 
 def a_rank(pid: int) -> int:
