@@ -134,7 +134,10 @@ def test_a_killed_solver(
 
 @pytest.mark.slow
 def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
-    """`elutria run`, killed with its solver on the way: the same rows as of a run nobody touched"""
+    """`elutria run`, killed with its solver on the way: the rows of a run nobody touched.
+
+    Its gas is turbulent, and comes back from the files to rounding.
+    """
     few = {"particles": "300", "feedTime": "0.5", "drainTime": "0.5"}
     settings = [w for k, v in few.items() for w in ("--set", f"{PARAMETERS}:{k}={v}")]
     settings += ["--set", f"{CONTROL}:writeInterval=0.1"]
@@ -151,7 +154,14 @@ def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
     assert not (case / "finished.json").exists()
     subprocess.run([*command, str(case)], check=True, stdout=subprocess.DEVNULL)
     assert len(list((case / "postProcessing/outlets").iterdir())) == 2, "it began again"
-    check(outcome(case), outcome(whole))
+    found, expected = ([row.split(",") for row in outcome(run)[0]] for run in (case, whole))
+    assert len(expected) > 100
+    assert [row[1:7] for row in found] == [row[1:7] for row in expected]
+    for row, other in zip(found, expected, strict=True):
+        moving = [0, 7, 8, 9, 10]
+        assert [float(row[k]) for k in moving] == pytest.approx(
+            [float(other[k]) for k in moving], rel=1e-8, abs=1e-8
+        )
 
 
 def a_rank(pid: int) -> int:

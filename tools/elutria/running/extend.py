@@ -14,10 +14,9 @@ from pathlib import Path
 
 from elutria.case.case import Case, Setting
 from elutria.errors import InputError
-from elutria.running.marker import FINISHED, MARKER, Marker
+from elutria.running.marker import FINISHED, MARKER, Identity, Marker
 
 _MAY = ("constant/", "system/")
-_WRITTEN_BY_US = "system/decomposeParDict"
 _MAKE_THE_MESH = ("system/blockMeshDict", "system/topoSetDict", "constant/polyMesh")
 
 
@@ -31,7 +30,7 @@ def replaced_inputs(
         raise InputError(f"--np {now.np}: the run in {folder} has {before.np}; allowed: that")
     with tempfile.TemporaryDirectory() as place:
         copy = case.copy_to(Path(place) / case.name, settings)
-        changed = _changed(copy, folder)
+        changed = _changed(copy, before.identity, now.identity)
         kept = Path(place) / "before"
         for name in [*changed, MARKER, FINISHED]:
             if (folder / name).is_file():
@@ -47,15 +46,17 @@ def replaced_inputs(
             raise
 
 
-def _changed(copy: Case, folder: Path) -> list[str]:
-    """The input files in which a run's folder differs from the case that it is to go on with."""
-    now, before = copy.file_hashes(), Case(folder).file_hashes()
-    changed = [name for name, content in now.items() if before.get(name) != content]
-    changed = [name for name in changed if name != _WRITTEN_BY_US]
-    for name in changed:
-        if not name.startswith(_MAY) or name.startswith(_MAKE_THE_MESH):
+def _changed(copy: Case, before: Identity, now: Identity) -> list[str]:
+    """The input files that differ from those that the run began with."""
+    settings = set(before.settings) ^ set(now.settings)
+    changed = {name for name in {*before.files, *now.files}
+               if before.files.get(name) != now.files.get(name)}  # fmt: skip
+    changed |= {setting.partition(":")[0] for setting in settings}
+    for name in sorted(changed):
+        there = (copy.path / name).is_file()
+        if not there or not name.startswith(_MAY) or name.startswith(_MAKE_THE_MESH):
             raise InputError(
-                f"{name}: has changed since the run in {folder} began, which cannot go on with it; "
-                "allowed: the file as it was, or a run in another folder with --to"
+                f"{name}: has changed since the run began, which cannot go on with it; allowed: "
+                "the file as it was, or a run in another folder with --to"
             )
-    return changed
+    return sorted(changed)
