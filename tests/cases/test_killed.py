@@ -8,6 +8,7 @@ touched, byte for byte; the ledger and what is inside too.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import random
 import resource
@@ -134,10 +135,8 @@ def test_a_killed_solver(
 
 @pytest.mark.slow
 def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
-    """`elutria run`, killed with its solver on the way: the rows of a run nobody touched.
-
-    Its gas is turbulent, and comes back from the files to rounding.
-    """
+    """`elutria run`, killed with its solver on the way: what was recorded stays, and the rest of
+    the feed follows. (The turbulent gas comes back to rounding, so that rows differ later.)"""
     few = {"particles": "300", "feedTime": "0.5", "drainTime": "0.5"}
     settings = [w for k, v in few.items() for w in ("--set", f"{PARAMETERS}:{k}={v}")]
     settings += ["--set", f"{CONTROL}:writeInterval=0.1"]
@@ -145,8 +144,8 @@ def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
     whole, case = tmp_path / "whole", tmp_path / "case"
     subprocess.run([*command, str(whole)], check=True, stdout=subprocess.DEVNULL)
     process = subprocess.Popen([*command, str(case)], stdout=subprocess.DEVNULL)
-    written = case / "0.3/uniform/feed"
-    while not written.is_file() and process.poll() is None:
+    written, mark = case / "0.3/uniform/feed", case / "elutriaUnfinished.0.3"
+    while (mark.exists() or not written.is_file()) and process.poll() is None:
         time.sleep(0.02)
     process.kill()
     process.wait()
@@ -154,14 +153,15 @@ def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
     assert not (case / "finished.json").exists()
     subprocess.run([*command, str(case)], check=True, stdout=subprocess.DEVNULL)
     assert len(list((case / "postProcessing/outlets").iterdir())) == 2, "it began again"
-    found, expected = ([row.split(",") for row in outcome(run)[0]] for run in (case, whole))
-    assert len(expected) > 100
-    assert [row[1:7] for row in found] == [row[1:7] for row in expected]
-    for row, other in zip(found, expected, strict=True):
-        moving = [0, 7, 8, 9, 10]
-        assert [float(row[k]) for k in moving] == pytest.approx(
-            [float(other[k]) for k in moving], rel=1e-8, abs=1e-8
-        )
+    found, expected = (outcome(run)[0] for run in (case, whole))
+    before = [row for row in expected if float(row.split(",")[0]) <= 0.3]
+    assert len(before) > 5
+    assert found[: len(before)] == before
+    numbers = [row.split(",")[3] for row in found]
+    assert len(numbers) == len(set(numbers)), "a row is there twice"
+    accounts = [json.loads(outcome(run)[2])["total"] for run in (case, whole)]
+    assert accounts[0]["injected"] == accounts[1]["injected"]
+    assert accounts[0]["lost"]["parcels"] == 0
 
 
 def a_rank(pid: int) -> int:
