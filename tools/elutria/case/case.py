@@ -135,8 +135,9 @@ class Case:
         if not written:
             return self.velocity()
         last = max(written, key=lambda time: float(time.name))
-        record = read_dictionary(last / "uniform/feed", self.path)
-        parameters = record.sub("files").sub("system").sub("simulationParameters")
+        parameters = read_dictionary(last / "uniform/feed", self.path)
+        for part in ("files", *PARAMETERS.split("/")):
+            parameters = parameters.sub(part)
         return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
 
     def gravity(self) -> float:
