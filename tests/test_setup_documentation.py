@@ -44,6 +44,8 @@ USERS_NAMES = {
     "usual": "particleParticle or particleWall",
     "pairModel + Coeffs": "stock's coefficients of the pair model",
     "wallModel + Coeffs": "stock's coefficients of the wall model",
+    "m.name": "the feed's record: the materials' names",
+    **dict.fromkeys(("folder", "entry", "c.entry", "top"), "the feed's record: what is compared"),
 }
 """Entries whose names a case chooses: what the reader is given, and what it is."""
 

@@ -8,12 +8,14 @@ touched, byte for byte; the ledger and what is inside too.
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import random
 import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,8 +24,9 @@ import pytest
 
 from elutria import tables
 from elutria_validation.harness.box import BoxCase, Contacts
-from elutria_validation.harness.cases import CONTROL, add_feed, material
+from elutria_validation.harness.cases import CONTROL, PARAMETERS, add_feed, material
 from elutria_validation.harness.programs import run_program
+from tests.conftest import COLUMN
 
 MOMENTS = [0.6, 0.85, *(pytest.param(None, marks=pytest.mark.slow, id=f"random {k}")
                         for k in range(18))]  # fmt: skip
@@ -128,6 +131,37 @@ def test_a_killed_solver(
         killed(case, SERIAL, part * seconds, lambda pid: pid)
     finish(case, SERIAL)
     check(outcome(case), whole)
+
+
+@pytest.mark.slow
+def test_a_killed_run_of_the_tool_goes_on(tmp_path: Path) -> None:
+    """`elutria run`, killed with its solver on the way: what was recorded stays, and the rest of
+    the feed follows. (The turbulent gas comes back to rounding, so that rows differ later.)"""
+    few = {"particles": "300", "feedTime": "0.5", "drainTime": "0.5"}
+    settings = [w for k, v in few.items() for w in ("--set", f"{PARAMETERS}:{k}={v}")]
+    settings += ["--set", f"{CONTROL}:writeInterval=0.1"]
+    command = [sys.executable, "-m", "elutria", "run", str(COLUMN), *settings, "--to"]
+    whole, case = tmp_path / "whole", tmp_path / "case"
+    subprocess.run([*command, str(whole)], check=True, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen([*command, str(case)], stdout=subprocess.DEVNULL)
+    written, mark = case / "0.3/uniform/feed", case / "elutriaUnfinished.0.3"
+    while (mark.exists() or not written.is_file()) and process.poll() is None:
+        time.sleep(0.02)
+    process.kill()
+    process.wait()
+    time.sleep(1)  # its solver ends with it
+    assert not (case / "finished.json").exists()
+    subprocess.run([*command, str(case)], check=True, stdout=subprocess.DEVNULL)
+    assert len(list((case / "postProcessing/outlets").iterdir())) == 2, "it began again"
+    found, expected = (outcome(run)[0] for run in (case, whole))
+    before = [row for row in expected if float(row.split(",")[0]) <= 0.3]
+    assert len(before) > 5
+    assert found[: len(before)] == before
+    numbers = [row.split(",")[3] for row in found]
+    assert len(numbers) == len(set(numbers)), "a row is there twice"
+    accounts = [json.loads(outcome(run)[2])["total"] for run in (case, whole)]
+    assert accounts[0]["injected"] == accounts[1]["injected"]
+    assert accounts[0]["lost"]["parcels"] == 0
 
 
 def a_rank(pid: int) -> int:

@@ -1,8 +1,10 @@
 """Stands in for elutriaFoam: reads the case it is started in, writes what the real one writes.
 
-The partition is log-logistic in d/d50 with d50 = 100 um s/m x gas velocity and exponent 8.
+The partition is log-logistic in d/d50 with exponent 8, d50 = 100 um s/m x gas velocity x
+(loading/0.2)^0.1.
 FAKE_FAIL_AT (a velocity) makes it diverge, FAKE_CUT_AT makes it end without a word, FAKE_SLEEP
-(s) makes it slow; each start is a line in FAKE_STARTS.
+(s) makes it slow; each start is a line in FAKE_STARTS. It leaves a
+time's folder behind, and refuses to go on from one with another seed, as the real one does.
 """
 
 import json
@@ -42,11 +44,18 @@ def main() -> int:
     if "FAKE_STARTS" in os.environ:
         with Path(os.environ["FAKE_STARTS"]).open("a") as file:
             file.write(f"{velocity:g} {seed:g}\n")
+    record = Path("0.5/seed")
+    if record.is_file() and float(record.read_text()) != seed:
+        print(f"elutria: failed: constant/feed: seed is {seed:g}")
+        return 2
+    record.parent.mkdir(exist_ok=True)
+    record.write_text(str(seed))
     draw = random.Random(seed)
     rows, inside = [], []
+    cut = 100e-6 * (parameter("loading") / 0.2) ** 0.1
     for number in range(count):
         diameter = draw_size(draw)
-        share = 1 / (1 + (diameter / (velocity * 100e-6)) ** -8)
+        share = 1 / (1 + (diameter / (velocity * cut)) ** -8)
         outlet = "coarse" if draw.random() < share else "fines"
         kept = number % 200 == 199
         place = "inside" if kept else outlet
@@ -65,7 +74,7 @@ def main() -> int:
     if os.environ.get("FAKE_CUT_AT") == f"{velocity:g}":
         return 0
     folder = Path("postProcessing/outlets/0")
-    folder.mkdir(parents=True)
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "particles.csv").write_text(HEADER + "".join(row for row, _, _ in rows))
     Path("postProcessing/inside.csv").write_text(HEADER + "".join(row for row, _, _ in inside))
 

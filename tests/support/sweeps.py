@@ -6,7 +6,9 @@ from pathlib import Path
 
 from elutria.case.case import Case
 from elutria.classification.precision import Precision
-from elutria.running.sweep import SweepResult, parse_velocities, plan, run_sweep
+from elutria.running.axes import grid
+from elutria.running.results import Results
+from elutria.running.sweep import SweepResult, plan, run_sweep
 from elutria.running.worker import local_executor
 
 SMALL = ["system/simulationParameters:particles=400"]
@@ -32,8 +34,9 @@ def sweep(
     replicates: int = 1,
     extra: list[str] = SMALL,
     precision: Precision | None = None,
+    vary: list[str] | None = None,
 ) -> SweepResult:
     source = Case(case)
-    members = plan(source, to, parse_velocities(velocities), replicates, extra)
+    members = plan(source, to, grid(source, velocities, vary or []), replicates, extra)
     with local_executor(2) as executor:
-        return run_sweep(source, to, members, executor, 1, Silent(), precision)
+        return run_sweep(Results(source, to, extra), members, executor, 1, Silent(), precision)

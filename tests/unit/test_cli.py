@@ -15,6 +15,7 @@ import pytest
 from elutria.cli import main
 
 COMMANDS = ["check", "run", "sweep", "classify", "plot", "vtk", "bench", "verify"]
+PARAMETERS = "system/simulationParameters"
 TEXT_FILES = [
     "constant/feed",
     "system/simulationParameters",
@@ -132,6 +133,37 @@ def test_run_classify_and_plot_together(
     (quartz, everything) = json.loads(call(capsys, "classify", to, "--json").out)
     assert quartz["d50_m"] == pytest.approx(600e-6, rel=0.05)
     assert everything["material"] == "all"
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ([], "--velocity: is missing"),
+        (["--velocity", "5", "--points", "points.csv"], "--points points.csv: allowed: either"),
+        (["--points", "nowhere.csv"], "nowhere.csv: file not found"),
+        (["--velocity", "5", "--vary", f"{PARAMETERS}:loadin=1,2"], "loading"),
+        (
+            ["--velocity", "5", "--vary", f"{PARAMETERS}:loading=1,2", "--set",
+             f"{PARAMETERS}:loading=3"],
+            "is varied too",
+        ),
+        (["--velocity", "5", "--vary", f"{PARAMETERS}:loading=-1,2"], "loading"),
+    ],
+)  # fmt: skip
+def test_a_sweep_over_nothing_is_one_line_and_runs_nothing(
+    capsys: pytest.CaptureFixture[str],
+    column: Path,
+    tmp_path: Path,
+    fake_solver: Path,
+    options: list[str],
+    said: str,
+) -> None:
+    outcome = call(capsys, "sweep", column, *options, "--to", tmp_path / "to")
+    assert outcome.code == 2
+    assert said in outcome.err
+    assert "\n" not in outcome.err
+    assert not fake_solver.exists()
+    assert not (tmp_path / "to").exists()
 
 
 @pytest.mark.usefixtures("fake_solver")

@@ -36,6 +36,9 @@ state = {"debug": False}
 INTERRUPTED = 130
 """What typer makes of Ctrl-C."""
 
+VelocitiesOption = Annotated[
+    str | None, typer.Option(metavar="A:B:N|LIST", help="Gas velocities, m/s.")
+]
 CaseArgument = Annotated[Path, typer.Argument(help="Folder of an OpenFOAM case.")]
 SetOption = Annotated[
     list[str] | None,
@@ -72,12 +75,15 @@ def run(
     velocity: Annotated[float | None, typer.Option(help="Gas velocity, m/s.")] = None,
     set_: SetOption = None,
     np: ProcessorsOption = 1,
+    extend: Annotated[
+        bool, typer.Option(help="Go on with a longer drain or feed, or another loading.")
+    ] = False,
 ) -> None:
-    """Copy, mesh, solve and classify a case."""
+    """Copy, mesh, solve and classify a case; go on where it was stopped."""
     from elutria.case.case import Case
+    from elutria.running.axes import parse_velocities
     from elutria.running.progress import ProgressDisplay
     from elutria.running.run import run_case
-    from elutria.running.sweep import parse_velocities
     from elutria.running.worker import note
 
     source = Case(case)
@@ -93,7 +99,7 @@ def run(
         def on_step(share: float, step: Step) -> None:
             display.update(f"{source.name}", share, note(step))
 
-        run_case(source, folder, settings, np, on_step)
+        run_case(source, folder, settings, np, on_step, anew=False, extend=extend)
     _classify_folder(folder, folder)
     _plot(folder)
 
@@ -101,7 +107,15 @@ def run(
 @app.command(epilog="Example: elutria sweep cases/column --velocity 3:10:8 --to results/column")
 def sweep(
     case: CaseArgument,
-    velocity: Annotated[str, typer.Option(metavar="A:B:N|LIST", help="Gas velocities, m/s.")],
+    velocity: VelocitiesOption = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FILE:ENTRY=A:B:N|LIST", help="Vary another entry: a full grid."),
+    ] = None,
+    points: Annotated[
+        Path | None,
+        typer.Option(help="A csv file, a row per run: gas_velocity_m_s and FILE:ENTRY columns."),
+    ] = None,
     replicates: Annotated[int, typer.Option(help="Runs of each velocity, each own seed.")] = 1,
     jobs: Annotated[int, typer.Option(help="Runs at a time; 0: as many as cores.")] = 0,
     to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
@@ -113,29 +127,35 @@ def sweep(
     ] = None,
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
 ) -> None:
-    """Run a case at several gas velocities side by side. What is finished is never run again."""
+    """Run a case at several gas velocities, or other settings, side by side. What is finished is
+    never run again; the tables hold all runs of the folder."""
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
-    from elutria.running.sweep import parse_velocities, plan, run_sweep
+    from elutria.running.axes import grid, read_points
+    from elutria.running.results import Results
+    from elutria.running.sweep import plan, run_sweep
     from elutria.running.worker import local_executor
 
     source = Case(case)
-    velocities = parse_velocities(velocity)
+    if points is not None and (velocity is not None or vary):
+        raise InputError(f"--points {points}: allowed: either it, or --velocity and --vary")
+    if points is None and velocity is None and not vary:
+        raise InputError("--velocity: is missing; allowed: it, --vary or --points")
+    wanted = read_points(source, points) if points else grid(source, velocity, vary or [])
     folder = (to or Path("results") / source.name).resolve()
     _refuse_overlap(source.path, folder)
-    members = plan(source, folder, velocities, replicates, set_ or [])
-    if jobs < 0:
-        raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
-    jobs = jobs or max(1, len(os.sched_getaffinity(0)) // np)
+    members = plan(source, folder, wanted, replicates, set_ or [])
+    results = Results(source, folder, set_ or [])
+    jobs = _jobs(jobs, np)
     asked = None if precision is None else Precision(precision, most_runs)
     with _SweepDisplay(len(members)) as display, local_executor(jobs) as executor:
-        result = run_sweep(source, folder, members, executor, np, display, asked)
+        result = run_sweep(results, members, executor, np, display, asked)
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     _show(result.tables)
-    for speed in result.imprecise:
-        asked_for = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
-        console.print(f"{speed:g} m/s: the 95 % interval of d50 is wider than {asked_for}")
+    for name in result.imprecise:
+        width = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
+        console.print(f"{name}: the 95 % interval of d50 is wider than {width}")
     if result.tables.summary:
         _plot(folder)
     if result.failures:
@@ -144,6 +164,37 @@ def sweep(
         raise ElutriaError(
             f"{len(result.failures)} of {len(members)} runs failed; the others are in {folder}"
         )
+
+
+@app.command(epilog="Example: elutria find cases/column --d50 500e-6 --to results/find")
+def find(
+    case: CaseArgument,
+    d50: Annotated[float, typer.Option("--d50", help="The cut size that is asked for, m.")],
+    vary: Annotated[
+        str | None,
+        typer.Option(metavar="FILE:ENTRY=A:B", help="Setting to find; default: gas velocity."),
+    ] = None,
+    material: Annotated[str, typer.Option(help="Whose cut size; default: of all.")] = "all",
+    most_runs: Annotated[int, typer.Option(help="Runs at most.")] = 12,
+    to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
+    set_: SetOption = None,
+    np: ProcessorsOption = 1,
+) -> None:
+    """Find the gas velocity, or another setting, that has a cut size, in few runs."""
+    from elutria.case.case import Case
+    from elutria.running.inverse import answer
+
+    source = Case(case)
+    folder = (to or Path("results") / source.name).resolve()
+    _refuse_overlap(source.path, folder)
+    with _SweepDisplay(1) as display:
+        lines, tables = answer(
+            source, folder, (d50, material, vary, most_runs), set_ or [], np, display
+        )
+    _show(tables)
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    _plot(folder)
 
 
 @app.command(epilog="Example: elutria classify results/column/U5 --json")
@@ -178,6 +229,13 @@ def vtk(
         console.print(str(path), highlight=False, soft_wrap=True)
 
 
+def _jobs(jobs: int, np: int) -> int:
+    """Runs at a time, as --jobs asks."""
+    if jobs < 0:
+        raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
+    return jobs or max(1, len(os.sched_getaffinity(0)) // np)
+
+
 def _refuse_overlap(case: Path, folder: Path) -> None:
     source = case.resolve()
     if folder == source or source.is_relative_to(folder) or folder.is_relative_to(source):
@@ -189,11 +247,12 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
     from elutria.estimates.theory import write_theory
-    from elutria.running.run import FINISHED, wall_time
+    from elutria.running.marker import FINISHED
+    from elutria.running.run import wall_time
 
     case = Case(folder)
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
-    velocity = case.velocity()
+    velocity = case.velocity_of_run()
     tables = classify_run(read_run(folder), velocity, seconds)
     tables.write(to)
     write_theory(case, [velocity], to)
@@ -207,7 +266,8 @@ def _show(tables: Classification) -> None:
 
     if tables.summary:
         table = summary_table(tables.summary)
-        print_table(console, table, keys=2 if table.columns[1].header == "material" else 1)
+        keys = [column.header for column in table.columns].index("d25")
+        print_table(console, table, keys)
     for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 EVENTS = (
     "time_s", "outlet", "material", "id", "diameter_m", "density_kg_m3", "n_particle",
     "ux_m_s", "uy_m_s", "uz_m_s", "residence_time_s",
@@ -26,3 +29,34 @@ CURVE = (
     "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
 )  # fmt: skip
 THEORY = ("gas_velocity_m_s", "material", "law", "cut_size_m")
+
+
+VELOCITY = "gas_velocity_m_s"
+
+
+def axes(rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """The settings that rows have as columns beside the gas velocity: FILE:ENTRY."""
+    return list(dict.fromkeys(name for row in rows for name in row if ":" in name))
+
+
+def setting(row: Mapping[str, Any]) -> tuple[Any, ...]:
+    """What a row's run was given: gas velocity, then its other settings."""
+    return (row[VELOCITY], *(row[name] for name in axes([row])))
+
+
+def short(name: str) -> str:
+    """FILE:ENTRY without what the eye can do without: `loading`, `quartz/density`."""
+    entry = name.partition(":")[2]
+    return "/".join(part for part in entry.split("/")[-2:] if part != "materials")
+
+
+def title(row: Mapping[str, Any]) -> str:
+    """`5 m/s`, `5 m/s, loading 0.2`."""
+    return ", ".join(
+        [f"{row[VELOCITY]:g} m/s", *(f"{short(name)} {shown(row[name])}" for name in axes([row]))]
+    )
+
+
+def shown(value: Any) -> str:
+    """A cell as it is read: `0.2`, `evenSizes`."""
+    return f"{value:g}" if isinstance(value, (int, float)) else str(value)

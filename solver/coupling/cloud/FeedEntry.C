@@ -219,10 +219,6 @@ bool FeedEntry::drained(const Count& count) const
 void FeedEntry::writeState()
 {
     writeInjectorState(cloud_);
-    if (feed_)
-    {
-        feed_->writeState();
-    }
     if (recorder_)
     {
         recorder_->writeFiles();

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "feed/Feed.H"
+#include "feed/FeedRecord.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
@@ -177,7 +178,9 @@ void Feed::readSchedule(const word& phaseName)
     }
 
     massFlow_ =
-        found("massFlowRate")
+        told_.found("massFlow")
+      ? told_.get<scalar>("massFlow")
+      : found("massFlowRate")
       ? readPositive(*this, "massFlowRate")
       : readPositive(*this, "loading")*gasMassFlow(phaseName);
 
@@ -210,7 +213,6 @@ void Feed::readSchedule(const word& phaseName)
     }
     slots_ = min(scalar(maxParticles_), duration_*rate_);
     parcels_ = label(max(scalar(1), std::round(min(slots_, scalar(labelMax)))));
-    readEnds();
 
     seed_ = elutria::laws::scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
@@ -218,6 +220,11 @@ void Feed::readSchedule(const word& phaseName)
 
 void Feed::addParcels(const word& phaseName)
 {
+    if (told_.found("parcels"))
+    {
+        maxParticles_ = told_.get<label>("parcels");
+        return;
+    }
     if (!found("particlesPerParcel"))
     {
         return;
@@ -278,7 +285,7 @@ scalar Feed::random(const label i, const label k) const
 {
     return elutria::laws::uniform
     (
-        seed_, (uint64_t(uint32_t(i)) << 8) + uint64_t(k) + 1
+        seed_, (uint64_t(uint32_t(first_ + i)) << 8) + uint64_t(k) + 1
     );
 }
 
@@ -298,66 +305,26 @@ void Feed::drawParcels()
             << "particles is " << parcels_ << ", allowed: >= " << present
             << ", a parcel of each material" << exit(FatalIOError);
     }
-    std::vector<double> ends(ends_.cbegin(), ends_.cend());
-    if (ends.empty() || ends.back() < slots_)
-    {
-        ends.push_back(slots_);
-    }
     drawn_.reset
     (
         new elutria::laws::StratifiedFeed
         (
-            ingredients, sampling_, seed_, massFlow_/rate_, ends
+            ingredients, sampling_, seed_ + uint64_t(first_),
+            massFlow_/rate_, {slots_}
         )
     );
 }
 
 
-IOobject Feed::stateOf(const word& name, const IOobject::readOption read) const
+elutria::laws::FedParcel Feed::drawn(const label k) const
 {
-    return IOobject
-    (
-        name, mesh_.time().timeName(), "uniform", mesh_,
-        read, IOobject::NO_WRITE, false
-    );
-}
-
-
-void Feed::readEnds()
-{
-    ends_ = IOField<scalar>(stateOf("feedEnds", IOobject::READ_IF_PRESENT));
-}
-
-
-void Feed::writeState() const
-{
-    scalarList begun(ends_);
-    if
-    (
-        (begun.empty() || begun.last() < slots_)
-     && fedUntil(mesh_.time().value()) > label(drawn_->lastBlock())
-    )
-    {
-        begun.append(slots_);
-    }
-    if (begun.size())
-    {
-        const unsigned digits = IOstream::defaultPrecision(17);
-        IOField<scalar>(stateOf("feedEnds", IOobject::NO_READ), begun).write();
-        IOstream::defaultPrecision(digits);
-    }
-}
-
-
-elutria::laws::FedParcel Feed::drawn(const label i) const
-{
-    if (i < 0 || i >= parcels_)
+    if (k < 0 || k >= parcels_)
     {
         FatalIOErrorInFunction(*this)
-            << "parcel " << i << " is not of this feed, which has " << parcels_
+            << "parcel " << first_ + k << " is not of this feed, which has " << parcels_
             << ": was it changed since the run began?" << exit(FatalIOError);
     }
-    return (*drawn_)[i];
+    return (*drawn_)[k];
 }
 
 
@@ -410,7 +377,50 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     massFlow_(0),
     rate_(0),
     slots_(0),
-    parcels_(0)
+    parcels_(0),
+    first_(0)
+{
+    goOn(phaseName);
+    readAll(phaseName);
+}
+
+
+Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
+:
+    IOdictionary
+    (
+        IOobject
+        (
+            "feed",
+            mesh.time().constant(),
+            mesh,
+            IOobject::NO_READ,
+            IOobject::NO_WRITE,
+            false
+        ),
+        told.subDict("settings")
+    ),
+    mesh_(mesh),
+    entrance_(mesh, *this),
+    start_(0),
+    duration_(0),
+    drainTime_(GREAT),
+    maxParticles_(labelMax),
+    asked_(labelMax),
+    seed_(0),
+    sampling_(Sampling::particles),
+    massFlow_(0),
+    rate_(0),
+    slots_(0),
+    parcels_(0),
+    first_(0)
+{
+    takeOver(phaseName, told);
+    readAll(phaseName);
+}
+
+
+void Feed::readAll(const word& phaseName)
 {
     readMaterials();
     readOutlets();
@@ -431,6 +441,13 @@ const Feed* Feed::find(const fvMesh& mesh, const word& phaseName)
     IOobject header("feed", mesh.time().constant(), mesh, IOobject::MUST_READ);
     if (!header.typeHeaderOk<IOdictionary>(false))
     {
+        if (!feedRecord::read(mesh).empty())
+        {
+            FatalErrorInFunction
+                << "constant/feed: file not found, but the run came to time "
+                << mesh.time().timeName() << " with it; allowed: that file, or"
+                << " a run from the start" << exit(FatalError);
+        }
         return nullptr;
     }
 
@@ -469,29 +486,48 @@ scalar Feed::end() const
 
 label Feed::fedUntil(const scalar time) const
 {
+    if (before_ && time <= start_)
+    {
+        return before_->fedUntil(time);
+    }
+
     const scalar slots = (min(time, start_ + duration_) - start_)*rate_;
     if (slots <= 0)
     {
-        return 0;
+        return first_;
     }
 
     const label i = label(min(slots, scalar(labelMax - 1)));
     const bool entered = slot(i) < slots;
 
-    return min(i + label(entered), parcels_);
+    return first_ + min(i + label(entered), parcels_);
 }
 
 
 scalar Feed::mass(const label i) const
 {
-    const elutria::laws::FedParcel p = drawn(i);
+    const Feed& own = stretchOf(i);
+    return own.ownMass(i - own.first_);
+}
+
+
+scalar Feed::ownMass(const label k) const
+{
+    const elutria::laws::FedParcel p = drawn(k);
     return materials_[p.material].density*piBy6*pow3(p.diameter);
 }
 
 
 scalar Feed::number(const label i) const
 {
-    return weighted() ? drawn(i).mass/mass(i) : 1;
+    const Feed& own = stretchOf(i);
+    return own.ownNumber(i - own.first_);
+}
+
+
+scalar Feed::ownNumber(const label k) const
+{
+    return weighted() ? drawn(k).mass/ownMass(k) : 1;
 }
 
 
@@ -525,21 +561,31 @@ scalar Feed::heaviestParcel() const
 
 Feed::Particle Feed::particle(const label i) const
 {
-    const elutria::laws::FedParcel parcel = drawn(i);
+    const Feed& own = stretchOf(i);
+    return own.ownParticle(i - own.first_);
+}
+
+
+Feed::Particle Feed::ownParticle(const label k) const
+{
+    const elutria::laws::FedParcel parcel = drawn(k);
     Particle p;
-    p.time = start_ + slot(i)/rate_;
+    p.time = start_ + slot(k)/rate_;
     p.material = parcel.material;
     p.diameter = parcel.diameter;
-    p.number = number(i);
+    p.number = ownNumber(k);
 
-    p.position = place(i, p.diameter, false);
+
+    p.position = place(k, p.diameter, false);
     return p;
 }
 
 
 point Feed::retreat(const label i) const
 {
-    return place(i, drawn(i).diameter, true);
+    const Feed& own = stretchOf(i);
+    const label k = i - own.first_;
+    return own.place(k, own.drawn(k).diameter, true);
 }
 
 

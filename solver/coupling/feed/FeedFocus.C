@@ -84,12 +84,17 @@ void Feed::readFocus(const word& phaseName)
     {
         return;
     }
+    const dictionary& told = told_.subOrEmptyDict("focus");
 
     // Else parcels must meet, and the sizes aside need their number
     const bool dilute = isDilute(phaseName);
     for (Material& m : materials_)
     {
-        if (given)
+        if (told.found(m.name))
+        {
+            m.focus = told.get<scalar>(m.name);
+        }
+        else if (given)
         {
             m.focus = asked.number();
         }

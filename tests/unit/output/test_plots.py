@@ -75,6 +75,47 @@ def test_figures_come_from_the_tables(
         assert 0.5 < height / width < 2.2
 
 
+LOADING = "system/simulationParameters:loading"
+
+
+def grid_results(folder: Path, loadings: list[float]) -> Path:
+    """Runs over gas velocity and loading, which moves the cut."""
+    made = Classification(axes=(LOADING,))
+    for loading in loadings:
+        for velocity in (4.0, 6.0):
+            run = synthetic(velocity * (1 + loading), ["quartz"])
+            made.extend(classify(run, velocity, 1.0).with_settings({LOADING: loading}))
+    made.write(folder)
+    return folder
+
+
+def test_two_settings_give_families_and_contours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures: dict[str, Figure] = {}
+
+    def keep(figure: Figure, path: Path) -> Path:
+        figure.draw_without_rendering()
+        figures[path.name] = figure
+        return path
+
+    monkeypatch.setattr(plots, "save", keep)
+    plots.write_figures(grid_results(tmp_path, [0.1, 0.3, 0.5]))
+    said = {text.get_text() for text in figures["partition_curves.png"].findobj(Text)}
+    assert {"loading 0.1", "loading 0.3", "loading 0.5", "4 m/s", "6 m/s"} <= said
+    legend = {text.get_text() for text in figures["cut_size.png"].legends[0].get_texts()}
+    assert legend == {"loading 0.1", "loading 0.3", "loading 0.5"}
+    panel = figures["contours.png"].axes[0]
+    points = [line.get_xydata() for line in panel.lines if line.get_marker() == "o"]
+    assert sorted(map(tuple, points[0])) == [(u, p) for u in (4, 6) for p in (0.1, 0.3, 0.5)]
+    assert panel.collections, "no contour is drawn"
+
+
+def test_one_line_of_points_has_no_contours(tmp_path: Path) -> None:
+    names = [path.name for path in plots.write_figures(grid_results(tmp_path, [0.1]))]
+    assert "contours.png" not in names
+
+
 @pytest.fixture
 def drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
     """The figures of a sweep with two materials, by name."""

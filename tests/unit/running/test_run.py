@@ -19,9 +19,11 @@ from elutria import tables
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
+from elutria.running.axes import grid, parse_velocities
+from elutria.running.results import Results
 from elutria.running.run import PLAN, Goal, is_finished, run_case
 from elutria.running.solver import Step, follow
-from elutria.running.sweep import parse_velocities, plan, run_sweep
+from elutria.running.sweep import plan, run_sweep
 from tests.support.sweeps import SMALL, Silent, sweep
 
 
@@ -113,7 +115,7 @@ def test_two_in_one_folder_do_not_mix(
     monkeypatch.setenv("FAKE_SLEEP", "3")
     to = tmp_path / "one"
     module = ["-m", "elutria.running.worker"]
-    command = [sys.executable, *module, str(column), str(to), "1", "", *SMALL]
+    command = [sys.executable, *module, str(column), str(to), "1", "", "1", *SMALL]
     first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     wait_for(lambda: len(started(fake_solver)) == 1)
     case = Case(column)
@@ -244,9 +246,9 @@ def test_any_executor_makes_the_same_tables(
     sweep(column, here, "4:6:3")
     assert len(started(fake_solver)) == 3
     case = Case(column)
-    members = plan(case, there, parse_velocities("4:6:3"), 1, SMALL)
+    members = plan(case, there, grid(case, "4:6:3", []), 1, SMALL)
     with ProcessPoolExecutor(2) as executor:
-        assert not run_sweep(case, there, members, executor, 1, Silent()).failures
+        assert not run_sweep(Results(case, there, SMALL), members, executor, 1, Silent()).failures
     for name in ("partition.csv", "fit.csv", "curve.csv"):
         assert (here / name).read_bytes() == (there / name).read_bytes()
 
@@ -261,8 +263,8 @@ def test_an_executor_that_breaks_fails_its_runs_by_name(
             return future
 
     case = Case(column)
-    members = plan(case, tmp_path / "to", [4.0, 5.0], 1, SMALL)
-    result = run_sweep(case, tmp_path / "to", members, Broken(1), 1, Silent())
+    members = plan(case, tmp_path / "to", grid(case, "4,5", []), 1, SMALL)
+    result = run_sweep(Results(case, tmp_path / "to", SMALL), members, Broken(1), 1, Silent())
     assert result.failures == dict.fromkeys(("4 m/s", "5 m/s"), "BrokenExecutor: a worker was lost")
     assert started(fake_solver) == []
 

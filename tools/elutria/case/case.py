@@ -17,7 +17,13 @@ from typing import Any
 from elutria.case.feed import Feed, read_feed
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
-from elutria.openfoam.dictionary import Dictionary, read_dictionary, read_list, set_entry
+from elutria.openfoam.dictionary import (
+    Dictionary,
+    in_words,
+    read_dictionary,
+    read_list,
+    set_entry,
+)
 from elutria.openfoam.mesh import check_mesh
 from elutria.physics.drag import Gas
 from elutria.physics.laws import drag_title
@@ -55,6 +61,9 @@ class Setting:
                 "constant/feed:materials/quartz/density=2700"
             )
         return cls(file.strip(), entry.strip(), value.strip())
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.entry}={self.value}"
 
 
 class Case:
@@ -115,6 +124,20 @@ class Case:
     def velocity(self) -> float:
         """Gas velocity (m/s) of system/simulationParameters: finite, above 0."""
         parameters = self.dictionary(PARAMETERS, with_included=True)
+        return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
+
+    def velocity_of_run(self) -> float:
+        """Gas velocity (m/s) with which the solver came to the last time that it wrote, from its
+        record; of a case that has not run, or has no record, that of its files."""
+        parts = [part for part in (self.path, self.path / "processor0") if part.is_dir()]
+        times = [time for part in parts for time in part.iterdir() if _is_time(time.name)]
+        written = [time for time in times if (time / "uniform/feed").is_file()]
+        if not written:
+            return self.velocity()
+        last = max(written, key=lambda time: float(time.name))
+        parameters = read_dictionary(last / "uniform/feed", self.path)
+        for part in ("files", *PARAMETERS.split("/")):
+            parameters = parameters.sub(part)
         return parameters.number("gasVelocity", above=0, at_most=1000, unit="m/s")
 
     def gravity(self) -> float:
@@ -194,20 +217,23 @@ class Case:
                 f"{plan}: file not found; allowed: it, an Allrun.pre or a mesh in constant/polyMesh"
             )
 
+    def refuse_other_files(self, files: Iterable[str], option: str = "--set") -> None:
+        """Raise InputError for the first of `files` that is none within the case."""
+        root = self.path.resolve()
+        for file in files:
+            target = (self.path / file).resolve()
+            if not target.is_relative_to(root) or not target.is_file():
+                known = [str(p.relative_to(self.path)) for p in _files(self.path)]
+                raise InputError(
+                    f"{option} {file}: no such file in {self.path}{suggestion(file, known)}"
+                )
+
     def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
         """The settings of one run, checked to lie within the case."""
         settings = [Setting.parse(text) for text in extra]
         if velocity is not None:
             settings.append(Setting.parse(f"{VELOCITY}={velocity:.12g}"))
-        root = self.path.resolve()
-        for setting in settings:
-            target = (self.path / setting.file).resolve()
-            if not target.is_relative_to(root) or not target.is_file():
-                files = [str(p.relative_to(self.path)) for p in _files(self.path)]
-                raise InputError(
-                    f"--set {setting.file}: no such file in {self.path}"
-                    f"{suggestion(setting.file, files)}"
-                )
+        self.refuse_other_files([setting.file for setting in settings])
         return settings
 
     def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
@@ -235,13 +261,41 @@ class Case:
             set_entry(folder / setting.file, setting.entry, setting.value, folder)
         return copy
 
-    def check_settings(self, settings: Iterable[Setting]) -> None:
-        """Raise InputError when the case, with `settings` applied, is not one that can be run."""
+    def check_settings(self, *runs: Iterable[Setting]) -> None:
+        """Raise InputError when the case, with the settings of one of `runs` applied, is not one
+        that can be run."""
         with tempfile.TemporaryDirectory() as folder:
-            copy = self.copy_to(Path(folder) / self.name, settings)
-            copy.check_mesh()
-            copy.velocity()
-            copy.feed()
+            copy = self.copy_to(Path(folder) / self.name, [])
+            for settings in runs:
+                settings = list(settings)
+                for setting in settings:
+                    set_entry(copy.path / setting.file, setting.entry, setting.value, copy.path)
+                copy.check_mesh()
+                copy.velocity()
+                copy.feed()
+                for setting in settings:  # as it was, for the next
+                    shutil.copy2(self.path / setting.file, copy.path / setting.file)
+
+    def file_hashes(self) -> dict[str, str]:
+        """SHA-256 of each of the case's input files, by its path within the case."""
+        return {
+            path.relative_to(self.path).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in _files(self.path)
+        }
+
+    def value(self, file: str, entry: str) -> str:
+        """What an entry (`a/b/c` for nested ones) has for a value, on one line.
+
+        Raises InputError where there is none.
+        """
+        *outer, name = entry.split("/")
+        entries = self.dictionary(file, with_included=True)
+        for part in outer:
+            entries = entries.sub(part)
+        found = entries.raw(name)
+        if isinstance(found, Mapping):
+            raise InputError(f"{entries.where(name)}: is a dictionary; allowed: one value")
+        return in_words(getattr(found, "value", found))
 
     def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
         """Hash of all that decides a run: the case's files, the settings, the processors."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import exp, inf, nan
 from pathlib import Path
@@ -20,15 +21,24 @@ Row = dict[str, Any]
 
 @dataclass
 class Classification:
-    """Rows of the four tables."""
+    """Rows of the four tables. `axes` are settings that rows have beside the gas velocity, as
+    columns after the others."""
 
     summary: list[Row] = field(default_factory=list)
     partition: list[Row] = field(default_factory=list)
     fits: list[Row] = field(default_factory=list)
     curves: list[Row] = field(default_factory=list)
+    axes: tuple[str, ...] = ()
+
+    def with_settings(self, values: Mapping[str, float | str]) -> Classification:
+        """The same rows, each with these settings."""
+        for rows in (self.summary, self.partition, self.fits, self.curves):
+            for row in rows:
+                row.update(values)
+        return self
 
     def extend(self, other: Classification) -> None:
-        """Append another velocity's rows."""
+        """Append another point's rows."""
         self.summary += other.summary
         self.partition += other.partition
         self.fits += other.fits
@@ -36,10 +46,10 @@ class Classification:
 
     def write(self, folder: Path) -> None:
         """summary, partition, fit and curve.csv in `folder`, each written atomically."""
-        write_csv(folder / "partition.csv", tables.PARTITION, self.partition)
-        write_csv(folder / "fit.csv", tables.FIT, self.fits)
-        write_csv(folder / "curve.csv", tables.CURVE, self.curves)
-        write_csv(folder / "summary.csv", tables.SUMMARY, self.summary)
+        write_csv(folder / "partition.csv", (*tables.PARTITION, *self.axes), self.partition)
+        write_csv(folder / "fit.csv", (*tables.FIT, *self.axes), self.fits)
+        write_csv(folder / "curve.csv", (*tables.CURVE, *self.axes), self.curves)
+        write_csv(folder / "summary.csv", (*tables.SUMMARY, *self.axes), self.summary)
 
 
 def classify(run: Run, velocity: float, wall_time: float) -> Classification:

@@ -148,6 +148,17 @@ class Dictionary:
                 )
 
 
+def in_words(value: Any) -> str:
+    """A parsed value as a dictionary has it: `5`, `word`, `(0 0 1)`."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, (int, float)):
+        return f"{value:.12g}"
+    if isinstance(value, (list, tuple)) or hasattr(value, "tolist"):
+        return f"({' '.join(in_words(item) for item in value)})"
+    return one_line(value)
+
+
 def _is_number(value: Any) -> bool:
     good = isinstance(value, (int, float)) and not isinstance(value, bool)
     return good and math.isfinite(value)

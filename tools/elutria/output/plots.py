@@ -16,6 +16,13 @@ from numpy.typing import NDArray
 from elutria import tables
 from elutria.errors import InputError
 from elutria.files import atomic_write, read_csv
+from elutria.output.families import (
+    along,
+    axis_label,
+    contour_axes,
+    contour_figure,
+    families,
+)
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -58,6 +65,8 @@ def write_figures(folder: Path) -> list[Path]:
             "cut_size.png": cut_size_figure(summary, lines),
             "size_distributions.png": size_figure(partition),
         }
+        if contour_axes(summary):
+            figures["contours.png"] = contour_figure(summary, COLUMN_WIDTH)
         return [save(figure, folder / name) for name, figure in figures.items()]
 
 
@@ -94,8 +103,8 @@ def size_axis(axes: Axes, low: float, high: float) -> None:
 
 
 def partition_figure(partition: list[Row], curves: list[Row]) -> Figure:
-    """T(d) of all velocities, one panel per material: fitted curves with 95 % bands, and classes
-    with theirs.
+    """T(d) of all velocities, one panel per material (and other settings): fitted curves with 95 %
+    bands, and classes with theirs.
 
     Classes of which next to nothing is known are left out; partition.csv has them.
     """
@@ -103,19 +112,24 @@ def partition_figure(partition: list[Row], curves: list[Row]) -> Figure:
     velocities = _velocities(partition)
     colours = velocity_colours(velocities)
     known = [row for row in partition if row["ci_high"] - row["ci_low"] < 0.5]
-    figure, panels = new_figure(16 + 58 * len(materials), len(materials), sharex=True)
-    for axes, material in zip(panels, materials, strict=True):
+    shared = families(partition)
+    count = len(materials) * len(shared)
+    figure, panels = new_figure(16 + 58 * count, count, sharex=True)
+    places = [(of, material) for of in shared for material in materials]
+    for axes, ((common, rows), material) in zip(panels, places, strict=True):
+        here = {tables.setting(row) for row in rows}
         for velocity in velocities:
             colour = colours[velocity]
-            classes = _select(known, velocity, material)
+            classes = [r for r in _select(known, velocity, material) if tables.setting(r) in here]
+            curve = [r for r in _select(curves, velocity, material) if tables.setting(r) in here]
             _draw_classes(axes, classes, colour)
-            _draw_curve(axes, _within(_select(curves, velocity, material), classes), colour)
+            _draw_curve(axes, _within(curve, classes), colour)
             axes.plot([], [], "o-", ms=2.2, mew=0, color=colour, label=f"{velocity:g} m/s")
         axes.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
         axes.set_ylim(-0.02, 1.02)
         axes.set_ylabel("mass share to coarse  $T$")
-        if len(materials) > 1:
-            axes.text(0.03, 0.93, material, transform=axes.transAxes, va="top")
+        names = [common, material if len(materials) > 1 else ""]
+        axes.text(0.03, 0.93, "\n".join(filter(None, names)), transform=axes.transAxes, va="top")
         size_axis(axes, *_size_range(known or partition))
     panels[-1].set_xlabel("particle diameter  $d$  (µm)")
     _legend_above(figure, panels[0])
@@ -149,35 +163,62 @@ def _draw_curve(axes: Axes, rows: list[Row], colour: Any) -> None:
 
 
 def cut_size_figure(summary: list[Row], lines: list[Row]) -> Figure:
-    """d50 with its interval, and d25 to d75, against gas velocity beside the plug-flow theory."""
-    materials = _materials(summary)
+    """d50 with its interval, and d25 to d75, against gas velocity (or what else varies) beside the
+    plug-flow theory; a colour per material, or a panel each and a colour per family of runs."""
+    materials, across = _materials(summary), along(summary)
+    if len(families(summary, across)) > 1:
+        return _cut_size_families(summary, materials, across)
     figure, (axes,) = new_figure(66)
     for number, material in enumerate(materials):
         colour = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
-        rows = [row for row in summary if row["material"] == material]
-        speed = _column(rows, "gas_velocity_m_s")
-        cut, d25, d75, low, high = (
-            _column(rows, name) * 1e6
-            for name in ("d50_m", "d25_m", "d75_m", "d50_low_m", "d50_high_m")
-        )
-        axes.vlines(speed, d25, d75, color=colour, linewidth=3.5, alpha=0.3)
-        bars = np.array([cut - low, high - cut])
-        bars[~np.isfinite(bars)] = 0  # an interval that is open at this end
-        axes.errorbar(
-            speed, cut, yerr=np.maximum(bars, 0), fmt="o", ms=3, color=colour,
-            capsize=2, elinewidth=0.8, capthick=0.8,
-        )  # fmt: skip
+        _draw_cuts(axes, [r for r in summary if r["material"] == material], across, colour)
         curve = [row for row in lines if row["material"] == material]
-        axes.plot(
-            _column(curve, "gas_velocity_m_s"), _column(curve, "cut_size_m") * 1e6, "--",
-            color=colour, linewidth=0.9,
-        )  # fmt: skip
-    axes.set_xlabel("gas velocity  $U$  (m/s)")
-    axes.set_ylabel("cut size  $d_{50}$  (µm)")
+        if across == tables.VELOCITY:
+            axes.plot(
+                _column(curve, across), _column(curve, "cut_size_m") * 1e6, "--",
+                color=colour, linewidth=0.9,
+            )  # fmt: skip
+    _label_cuts(axes, across)
     axes.set_xlim(left=0)
     axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
-    _cut_size_legend(axes, materials, lines)
+    _cut_size_legend(axes, materials, lines if across == tables.VELOCITY else [])
     return figure
+
+
+def _cut_size_families(summary: list[Row], materials: list[str], across: str) -> Figure:
+    figure, panels = new_figure(16 + 58 * len(materials), len(materials), sharex=True)
+    for axes, material in zip(panels, materials, strict=True):
+        rows = [row for row in summary if row["material"] == material]
+        shared = families(rows, across)
+        colours = velocity_colours([float(k) for k in range(len(shared))])
+        for (common, here), colour in zip(shared, colours.values(), strict=True):
+            _draw_cuts(axes, here, across, colour, joined=True)
+            axes.plot([], [], "o-", ms=3, color=colour, label=common)
+        _label_cuts(axes, across)
+        if len(materials) > 1:
+            axes.text(0.03, 0.93, material, transform=axes.transAxes, va="top")
+    _legend_above(figure, panels[0])
+    return figure
+
+
+def _draw_cuts(axes: Axes, rows: list[Row], across: str, colour: Any, joined: bool = False) -> None:
+    rows = sorted(rows, key=lambda row: row[across])
+    place = _column(rows, across)
+    cut, d25, d75, low, high = (
+        _column(rows, name) * 1e6 for name in ("d50_m", "d25_m", "d75_m", "d50_low_m", "d50_high_m")
+    )
+    axes.vlines(place, d25, d75, color=colour, linewidth=3.5, alpha=0.3)
+    bars = np.array([cut - low, high - cut])
+    bars[~np.isfinite(bars)] = 0  # an interval that is open at this end
+    axes.errorbar(
+        place, cut, yerr=np.maximum(bars, 0), fmt="o-" if joined else "o", ms=3, color=colour,
+        capsize=2, elinewidth=0.8, capthick=0.8,
+    )  # fmt: skip
+
+
+def _label_cuts(axes: Axes, across: str) -> None:
+    axes.set_xlabel(axis_label(across))
+    axes.set_ylabel("cut size  $d_{50}$  (µm)")
 
 
 def _cut_size_legend(axes: Axes, materials: list[str], lines: list[Row]) -> None:
@@ -199,14 +240,17 @@ def _cut_size_legend(axes: Axes, materials: list[str], lines: list[Row]) -> None
 
 
 def size_figure(partition: list[Row]) -> Figure:
-    """Mass of feed, fines and coarse per decade of size, relative to the feed; per velocity."""
+    """Mass of feed, fines and coarse per decade of size, relative to the feed; per velocity, and a
+    pair of panels for each of the other settings."""
     velocities = _velocities(partition)
     colours = velocity_colours(velocities)
-    figure, panels = new_figure(110, 2, sharex=True, sharey=True)
+    shared = families(partition)
+    figure, panels = new_figure(110 * len(shared), 2 * len(shared), sharex=True, sharey=True)
     products = (("fines", "fines_kg"), ("coarse", "coarse_kg"))
-    for axes, (product, column) in zip(panels, products, strict=True):
-        for number, velocity in enumerate(velocities):
-            rows = _select(partition, velocity, "all")
+    places = [(of, product) for of in shared for product in products]
+    for axes, ((common, here), (product, column)) in zip(panels, places, strict=True):
+        for number, velocity in enumerate(v for v in velocities if _select(here, v, "all")):
+            rows = _select(here, velocity, "all")
             width = np.log10(_column(rows, "diameter_high_m") / _column(rows, "diameter_low_m"))
             feed = _column(rows, "feed_kg")
             if number == 0:
@@ -214,7 +258,8 @@ def size_figure(partition: list[Row]) -> Figure:
             colour, share = colours[velocity], _column(rows, column) / feed.sum() / width
             _outline(axes, rows, share, colour, f"{velocity:g} m/s", 1.1)
         axes.set_ylabel(r"$\mathrm{d}m / (m_\mathrm{feed}\,\mathrm{d}\log_{10} d)$")
-        axes.text(0.03, 0.93, product, transform=axes.transAxes, va="top")
+        names = "\n".join(filter(None, [product, common]))
+        axes.text(0.03, 0.93, names, transform=axes.transAxes, va="top")
         size_axis(axes, *_size_range(partition))
     panels[0].set_ylim(bottom=0)
     panels[-1].set_xlabel("particle diameter  $d$  (µm)")

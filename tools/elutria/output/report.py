@@ -11,6 +11,8 @@ from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Column, Table
 
+from elutria import tables
+
 
 def print_table(console: Console, table: Table, keys: int = 1) -> None:
     """Print a table of which no word and no number is cut, however narrow the console is.
@@ -88,6 +90,8 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
     headings = ["m/s", "d25", "d50", "95 %", "d75", "d25/d75", "bypass", "fines", "fed", "lost"]
     if len(names) > 1:
         headings.insert(1, "material")
+    axes = tables.axes(rows)
+    headings[1:1] = map(tables.short, axes)
     for heading in headings:
         words = heading == "material"
         table.add_column(heading, justify="left" if words else "right", no_wrap=True)
@@ -95,7 +99,7 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
         if len(names) == 1 and row["material"] == "all":
             continue
         table.add_row(
-            f"{row['gas_velocity_m_s']:g}",
+            *map(tables.shown, tables.setting(row)),
             *([str(row["material"])] if len(names) > 1 else []),
             _micrometres(row["d25_m"]),
             _micrometres(row["d50_m"]),
@@ -115,8 +119,8 @@ def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) ->
     or leaves d50 open by more than that: were all of it coarse, or all of it fines."""
     notes = []
     rows = [row for row in partition if row["material"] == "all"]
-    for velocity in dict.fromkeys(row["gas_velocity_m_s"] for row in rows):
-        here = [row for row in rows if row["gas_velocity_m_s"] == velocity]
+    for given in dict.fromkeys(map(tables.setting, rows)):
+        here = [row for row in rows if tables.setting(row) == given]
         share = sum(row["inside_kg"] for row in here) / sum(row["feed_kg"] for row in here)
         shift = 0.5 * sum(
             row["inside_kg"] / row["feed_kg"] * log(row["diameter_high_m"] / row["diameter_low_m"])
@@ -126,9 +130,10 @@ def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) ->
         if max(share, shift) > limit:
             worst = max(here, key=lambda row: row["inside_kg"])
             notes.append(
-                f"{velocity:g} m/s: {100 * share:.2g} % of the feed's mass is still in the column, "
-                f"most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it out; d50 "
-                f"may shift by up to {100 * shift:.2g} %. Increase drainTime in constant/feed."
+                f"{tables.title(here[0])}: {100 * share:.2g} % of the feed's mass is still in the "
+                f"column, most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it "
+                f"out; d50 may shift by up to {100 * shift:.2g} %. Increase drainTime in "
+                "constant/feed."
             )
     return notes
 
@@ -144,13 +149,16 @@ def absent_notes(
         if alone and row["material"] == "all":
             continue
         absent = [name for name in ("d25", "d50", "d75") if row[f"{name}_m"] != row[f"{name}_m"]]
-        key = ("gas_velocity_m_s", "material")
-        curve = [point for point in curves if all(point[name] == row[name] for name in key)]
+        curve = [
+            point
+            for point in curves
+            if point["material"] == row["material"] and tables.setting(point) == tables.setting(row)
+        ]
         if absent and curve:
             size, share = ([point[name] for point in (curve[0], curve[-1])]
                            for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
             notes.append(
-                f"{row['gas_velocity_m_s']:g} m/s, {row['material']}: no {', '.join(absent)} "
+                f"{tables.title(row)}, {row['material']}: no {', '.join(absent)} "
                 f"within the sizes that left: {100 * share[0]:.3g} % of {_micrometres(size[0])} um "
                 f"and {100 * share[1]:.3g} % of {_micrometres(size[1])} um go to coarse"
             )

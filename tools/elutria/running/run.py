@@ -1,8 +1,8 @@
 """One run: copy the case, mesh it, solve it, and mark it finished.
 
 A run's folder holds `elutria.json` (what it is a run of) from the start and `finished.json` once it
-is complete. Programs are started in the run's folder, so that no name of a file or folder is ever
-part of a command line.
+is complete. A run that was stopped goes on from the last time that the solver has written. Programs
+are started in the run's folder, so that no name of a file or folder is ever part of a command line.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ import re
 import shutil
 import subprocess
 import tempfile
-import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,16 +24,19 @@ from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in
+from elutria.running.extend import replaced_inputs
+from elutria.running.marker import FINISHED, MARKER, Identity, Marker, now
 
 if TYPE_CHECKING:
     from elutria.case.feed import Feed
     from elutria.running.solver import Step
 
 SOLVER = "elutriaFoam"
+CASE_AT_FAULT = 2
+"""The solver's exit code when it refuses a case."""
 SETTLED_GAS = "constant/settledGas"
 PLAN = "postProcessing/plan.json"
-MARKER = "elutria.json"
-FINISHED = "finished.json"
+LOG = f"log.{SOLVER}"
 
 
 @dataclass(frozen=True)
@@ -88,37 +90,97 @@ def run_case(
     np: int = 1,
     on_step: Callable[[float, Step], None] = lambda *_: None,
     neighbour: Path | None = None,
+    replicate: int = 1,
+    *,
+    anew: bool = True,
+    extend: bool = False,
 ) -> Case:
-    """Run `case` with `settings` in `folder`; a complete run of the same inputs is not run again.
+    """Run `case` with `settings` in `folder`. A complete run of the same inputs is not run again,
+    one that was stopped goes on; a run of other inputs is removed first, or refused if not `anew`,
+    or goes on with the new ones if `extend`.
 
     `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
     run in the folder `neighbour`, where that has settled. Raises InputError before anything
     is run, ElutriaError with the solver's reason when it fails.
     """
-    from elutria.classification.events import read_run  # pandas, which a check does not need
-
     settings = list(settings)
     fingerprint = case.fingerprint(settings, np)
     with _lock(folder):
         if is_finished(folder, fingerprint):
             return Case(folder)
         _need_programs(np)
-        _clear(folder)
-        start = time.monotonic()
-        copy = case.copy_to(folder, settings)
-        write_json(folder / MARKER, {"case": case.name, "inputs": fingerprint})
-        velocity, feed = copy.velocity(), copy.feed()
-        make_mesh(copy)
-        if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
-            shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
-        solve(folder, np, _goal(copy, feed), on_step)
-        read_run(folder)  # complete, or not finished
-        seconds = time.monotonic() - start
-        write_json(
-            folder / FINISHED,
-            {"inputs": fingerprint, "gas_velocity_m_s": velocity, "wall_time_s": round(seconds, 3)},
-        )
-    return copy
+        marker = Marker(Identity.of(case, settings), fingerprint, np, replicate, started=now())
+        before = Marker.read(folder)
+        if before is not None and not before.ready:
+            before = None  # stopped before its solver began
+        if before is not None and before.inputs == fingerprint:
+            _go_on(folder, replace(marker, ready=True), before, on_step)
+        elif before is not None and extend:
+            with replaced_inputs(case, folder, settings, before, marker):
+                _go_on(folder, replace(marker, ready=True), before, on_step)
+        elif not anew and (before is not None or (folder / FINISHED).is_file()):
+            found = before.identity.differences(marker.identity) if before else []
+            raise InputError(
+                f"{folder}: holds a run of other inputs ({', '.join(found) or 'unknown ones'}); "
+                "--extend goes on from it, another --to keeps both; without the folder it is run "
+                "anew"
+            )
+        else:
+            _start(case, folder, settings, marker, neighbour, on_step)
+    return Case(folder)
+
+
+def _start(
+    case: Case,
+    folder: Path,
+    settings: list[Setting],
+    marker: Marker,
+    neighbour: Path | None,
+    on_step: Callable[[float, Step], None],
+) -> None:
+    """A run from its beginning, in a new folder."""
+    _clear(folder)
+    copy = case.copy_to(folder, settings)
+    marker.write(folder)
+    copy.velocity()
+    copy.feed()
+    make_mesh(copy)
+    if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
+        shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
+    if marker.np > 1:
+        write_decomposition(copy, marker.np)
+        _program(["decomposePar", "-force"], folder, "log.decomposePar")
+    marker = replace(marker, ready=True)
+    marker.write(folder)
+    _solve_and_mark(folder, marker, on_step)
+
+
+def _go_on(
+    folder: Path, marker: Marker, before: Marker, on_step: Callable[[float, Step], None]
+) -> None:
+    """A run from the last time that its solver has written."""
+    marker = replace(marker, spent_s=before.ended(folder, LOG))
+    number = 1
+    while (folder / f"{LOG}.{number}").exists():
+        number += 1
+    with contextlib.suppress(FileNotFoundError):
+        (folder / LOG).rename(folder / f"{LOG}.{number}")
+    marker.write(folder)
+    _solve_and_mark(folder, marker, on_step)
+
+
+def _solve_and_mark(folder: Path, marker: Marker, on_step: Callable[[float, Step], None]) -> None:
+    from elutria.classification.events import read_run  # pandas, which a check does not need
+
+    copy = Case(folder)
+    solve(folder, marker.np, _goal(copy, copy.feed()), on_step)
+    read_run(folder)  # complete, or not finished
+    content = {
+        "inputs": marker.inputs,
+        "gas_velocity_m_s": copy.velocity(),
+        "wall_time_s": round(marker.spent_s + now() - marker.started, 3),
+    }
+    write_json(folder / FINISHED, content)
 
 
 def read_plan(folder: Path) -> dict[str, Any]:
@@ -212,23 +274,22 @@ def _program(arguments: list[str], folder: Path, log: str) -> None:
 
 
 def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], None]) -> None:
-    """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason."""
+    """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason,
+    InputError where it refuses the case."""
     from elutria.running.solver import follow
 
     command = [SOLVER, "-keepSettled"]
     if np > 1:
-        write_decomposition(Case(folder), np)
-        _program(["decomposePar", "-force"], folder, "log.decomposePar")
         command = ["mpirun", "-np", str(np), SOLVER, "-parallel"]
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
-    log = f"log.{SOLVER}"
-    outcome = follow(folder, command, log, lambda step: on_step(goal.share(step), step))
+    outcome = follow(folder, command, LOG, lambda step: on_step(goal.share(step), step))
     if outcome.interrupted:
         raise KeyboardInterrupt
     if not outcome.complete:
-        reason = outcome.reason or _reason(folder / log) or f"exit code {outcome.exit_code}"
-        raise ElutriaError(f"{SOLVER} failed in {folder}: {reason}")
+        reason = outcome.reason or _reason(folder / LOG) or f"exit code {outcome.exit_code}"
+        kind = InputError if outcome.exit_code == CASE_AT_FAULT else ElutriaError
+        raise kind(f"{SOLVER} failed in {folder}: {reason}")
 
 
 def write_decomposition(case: Case, np: int) -> None:

@@ -1,43 +1,41 @@
-"""Runs over gas velocities, side by side; what is finished is never run again.
+"""Runs over gas velocities and other settings, side by side; what is finished is never run again.
 
-RESULTS/U<velocity> is the first run of a velocity, RESULTS/U<velocity>-<r> replicate r with its own
-seed. A `concurrent.futures.Executor` works them off; what it is, and where, is not known here.
-With a precision asked, a velocity gets replicates until its cut size is known so well; which
-runs there are depends on results alone, so that a sweep that is started again makes the same ones.
-The gas of a run starts from that of a run at a velocity nearby, always the same one, as it has
-settled there.
+RESULTS/U<velocity> is the first run of a point (with other settings RESULTS/U5_loading=0.4),
+RESULTS/U<velocity>-<r> replicate r with its own seed. A `concurrent.futures.Executor` works them
+off; what it is, and where, is not known here. With a precision asked, a point gets replicates until
+its cut size is known so well; which runs there are depends on results alone, so that a sweep that
+is started again makes the same ones. The gas of a run starts from that of a run at a velocity
+nearby, always the same one, as it has settled there.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-import numpy as np
-
-from elutria.case.case import PARAMETERS, SEED, Case, Setting
-from elutria.classification.classify import Classification, classify
+from elutria.case.case import SEED, Case, Setting
+from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
 from elutria.classification.precision import Precision
-from elutria.errors import ElutriaError, InputError, one_line
-from elutria.estimates.theory import write_theory
-from elutria.files import write_json, writing_to
+from elutria.errors import ElutriaError, InputError
+from elutria.files import writing_to
+from elutria.running.axes import Point, seed_of
+from elutria.running.results import Results
 from elutria.running.run import is_finished, wall_time
 from elutria.running.worker import EVERY, Job, perform
 
 
 @dataclass(frozen=True)
 class Member:
-    """One run of a sweep: its velocity (m/s), folder and settings.
+    """One run of a sweep: its point, folder and settings.
 
     `neighbour` is the folder of the run whose settled gas it starts from.
     """
 
-    velocity: float
+    point: Point
     replicate: int
     folder: Path
     settings: tuple[Setting, ...]
@@ -45,20 +43,18 @@ class Member:
 
     @property
     def name(self) -> str:
-        """`5 m/s`, `5 m/s, replicate 2`."""
-        return f"{self.velocity:g} m/s" + (
-            f", replicate {self.replicate}" if self.replicate > 1 else ""
-        )
+        """`5 m/s`, `5 m/s, loading 0.2, replicate 2`."""
+        return self.point.title + (f", replicate {self.replicate}" if self.replicate > 1 else "")
 
 
 @dataclass
 class SweepResult:
-    """Tables of the velocities whose runs are complete, and the failures of the others."""
+    """Tables of the points whose runs are complete, and the failures of the others."""
 
     tables: Classification = field(default_factory=Classification)
     failures: dict[str, str] = field(default_factory=dict)
     skipped: int = 0
-    imprecise: list[float] = field(default_factory=list)
+    imprecise: list[str] = field(default_factory=list)
 
 
 class Watcher(Protocol):
@@ -74,50 +70,39 @@ class Watcher(Protocol):
         """There are so many runs in all."""
 
 
-def parse_velocities(text: str) -> list[float]:
-    """`A:B:N` (N values from A to B) or a comma-separated list, m/s; rising, without repeats."""
-    allowed = "A:B:N such as 3:10:8, or a list such as 3,4.5,6 (m/s, > 0)"
-    try:
-        if ":" in text:
-            first, last, count = text.split(":")
-            if not 1 <= int(count) <= 1000:
-                raise ValueError
-            values = np.linspace(float(first), float(last), int(count)).tolist()
-        else:
-            values = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(f"--velocity '{one_line(text, 60)}'; allowed: {allowed}") from None
-    for value in values:
-        if not (math.isfinite(value) and 0 < value <= 1000):
-            raise InputError(f"--velocity '{one_line(text, 60)}': {value:g}; allowed: {allowed}")
-    return sorted({float(f"{value:.12g}") for value in values})
-
-
 def plan(
-    case: Case, folder: Path, velocities: list[float], replicates: int, extra: Iterable[str]
+    case: Case, folder: Path, points: list[Point], replicates: int, extra: Iterable[str]
 ) -> list[Member]:
     """The runs of a sweep, checked as far as possible without running anything."""
     if replicates < 1:
         raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
     extra = list(extra)
+    _refuse_set_twice(points, extra)
     members = []
-    folders = [folder / f"U{velocity:.12g}" for velocity in velocities]
-    for k, velocity in enumerate(velocities):
-        settings = tuple(case.settings_for(velocity, extra))
+    families: dict[tuple[tuple[str, str], ...], list[Path]] = {}
+    for point in points:
+        family = families.setdefault(point.others, [])
+        settings = tuple(case.settings_for(point.velocity, [*extra, *point.settings()]))
         # two back: it is under way when this one's turn comes, also with two at a time
-        neighbour = folders[k - 2] if k >= 2 else None
-        first = Member(velocity, 1, folders[k], settings, neighbour)
+        neighbour = family[-2] if len(family) >= 2 else None
+        first = Member(point, 1, folder / point.folder, settings, neighbour)
+        family.append(first.folder)
         members += [first, *(_replicate(case, first, r) for r in range(2, replicates + 1))]
-    case.check_settings(members[0].settings)
+    case.check_settings(*(member.settings for member in members if member.replicate == 1))
     return members
 
 
+def _refuse_set_twice(points: list[Point], extra: list[str]) -> None:
+    given = {text.partition("=")[0].strip() for text in extra}
+    for name in {name for point in points for name, _ in point.others} & given:
+        raise InputError(f"--set {name}: is varied too; allowed: either of both")
+
+
 def _replicate(case: Case, first: Member, number: int) -> Member:
-    """Replicate `number` (2, 3, ...) of a velocity's first run: the same with another seed."""
-    parameters = case.dictionary(PARAMETERS, with_included=True)
-    seed = int(parameters.number("seed", at_least=0)) + number - 1
+    """Replicate `number` (2, 3, ...) of a point's first run: the same with another seed."""
+    seed = seed_of(case, first.settings) + number - 1
     return Member(
-        first.velocity,
+        first.point,
         number,
         first.folder.with_name(f"{first.folder.name}-{number}"),
         (*first.settings, Setting.parse(f"{SEED}={seed}")),
@@ -126,41 +111,23 @@ def _replicate(case: Case, first: Member, number: int) -> Member:
 
 
 def run_sweep(
-    case: Case,
-    folder: Path,
+    results: Results,
     members: list[Member],
     executor: Executor,
     np: int,
     watcher: Watcher,
     precision: Precision | None = None,
 ) -> SweepResult:
-    """Have the executor run what is not finished, and write the tables of what is complete."""
-    with writing_to(folder):
-        folder.mkdir(parents=True, exist_ok=True)
+    """Have the executor run what is not finished, and write the tables of all that is complete in
+    the folder of the results, by this call or an earlier one."""
+    with writing_to(results.folder):
+        results.folder.mkdir(parents=True, exist_ok=True)
+    results.write_identity()
     result = SweepResult()
-    course = _Course(case, np, list(members), precision, result)
+    course = _Course(results.case, np, list(members), precision, result)
     _work_off(course, executor, watcher)
-    members = course.members
-    for velocity in sorted({member.velocity for member in members}):
-        group = [m for m in members if m.velocity == velocity and m.name not in result.failures]
-        if group:
-            try:
-                run = join([read_run(member.folder) for member in group])
-                seconds = sum(wall_time(member.folder) for member in group)
-                result.tables.extend(classify(run, velocity, seconds))
-            except InputError as error:
-                result.failures[group[0].name] = str(error)
-    result.tables.write(folder)
-    write_theory(case, [member.velocity for member in members], folder)
-    write_json(
-        folder / "sweep.json",
-        {
-            "case": case.name,
-            "velocities_m_s": sorted({member.velocity for member in members}),
-            "replicates": max(member.replicate for member in members),
-            "failed": result.failures,
-        },
-    )
+    result.tables, unreadable = results.write_tables(result.failures)
+    result.failures |= unreadable
     return result
 
 
@@ -225,7 +192,9 @@ class _Course:
     def job(self, member: Member) -> Job:
         """A run as the executor gets it."""
         case = self.case.path.resolve()
-        return Job(case, member.folder, member.settings, self.np, member.neighbour)
+        return Job(
+            case, member.folder, member.settings, self.np, member.neighbour, member.replicate
+        )
 
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""
@@ -234,8 +203,8 @@ class _Course:
         self.result.skipped += len(complete)
         todo = [member for member in members if member not in complete]
         self.running |= {member.name for member in todo}
-        for velocity in dict.fromkeys(member.velocity for member in complete):
-            todo += self._further(velocity)
+        for point in dict.fromkeys(member.point for member in complete):
+            todo += self._further(point)
         return todo
 
     def ended(self, member: Member, failure: str | None) -> list[Member]:
@@ -243,10 +212,10 @@ class _Course:
         self.running.discard(member.name)
         if failure is not None:
             self.result.failures[member.name] = failure
-        return self._further(member.velocity)
+        return self._further(member.point)
 
-    def _further(self, velocity: float) -> list[Member]:
-        group = [member for member in self.members if member.velocity == velocity]
+    def _further(self, point: Point) -> list[Member]:
+        group = [member for member in self.members if member.point == point]
         bad = any(m.name in self.running or m.name in self.result.failures for m in group)
         if self.precision is None or bad:
             return []
@@ -256,7 +225,7 @@ class _Course:
             return []  # told when the tables are made
         count = self.precision.further_runs(run, len(group))
         if count == 0:
-            self.result.imprecise.append(velocity)
+            self.result.imprecise.append(point.title)
         first = len(group) + 1
         further = [_replicate(self.case, group[0], first + k) for k in range(count or 0)]
         self.members += further

@@ -1,9 +1,9 @@
 """A run of a sweep as a job for any `concurrent.futures.Executor`, and the executor of one machine.
 
 A job is done in a process of its own, so that one that fails or is killed leaves the others alone:
-`python -m elutria.running.worker CASE FOLDER NP NEIGHBOUR SETTING...`. Wherever that is, it says in
-the run's folder how far it is; on failure it writes one line to the error output and ends with the
-exit code 1 or 2.
+`python -m elutria.running.worker CASE FOLDER NP NEIGHBOUR REPLICATE SETTING...`. Wherever that is,
+it says in the run's folder how far it is; on failure it writes one line to the error output and
+ends with the exit code 1 or 2.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ class Job:
     settings: tuple[Setting, ...]
     np: int
     neighbour: Path | None
+    replicate: int = 1
 
     def progress(self) -> tuple[float, str] | None:
         """Share done (0..1) and the solver's numbers; None before the first time step."""
@@ -64,10 +65,9 @@ class Job:
 
 def perform(job: Job) -> None:
     """Do a job in a process of its own. Raises ElutriaError with the line in which that ended."""
-    settings = [f"{s.file}:{s.entry}={s.value}" for s in job.settings]
     command = [
         sys.executable, "-m", "elutria.running.worker", str(job.case), str(job.folder),
-        str(job.np), str(job.neighbour or ""), *settings,
+        str(job.np), str(job.neighbour or ""), str(job.replicate), *map(str, job.settings),
     ]  # fmt: skip
     if shutil.which("setpriv"):  # nothing goes on when this process is killed
         command = ["setpriv", "--pdeathsig", "TERM", *command]
@@ -107,13 +107,14 @@ def local_executor(jobs: int) -> Iterator[Executor]:
 
 def main(arguments: list[str]) -> int:
     """Run the case; the exit code is the error's, 0 without one."""
-    case, folder, np, neighbour, *settings = arguments
+    case, folder, np, neighbour, replicate, *settings = arguments
     job = Job(
         Path(case),
         Path(folder).resolve(),
         tuple(Setting.parse(text) for text in settings),
         int(np),
         Path(neighbour).resolve() if neighbour else None,
+        int(replicate),
     )
     last = 0.0
 
@@ -124,7 +125,9 @@ def main(arguments: list[str]) -> int:
             (job.folder / PROGRESS).write_text(f"{share:.4f} {note(step)}")
 
     try:
-        run_case(Case(job.case), job.folder, job.settings, job.np, on_step, job.neighbour)
+        run_case(
+            Case(job.case), job.folder, job.settings, job.np, on_step, job.neighbour, job.replicate
+        )
     except ElutriaError as error:
         print(error, file=sys.stderr)
         return error.exit_code

@@ -1,0 +1,207 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+
+Description
+    The feed of a run that goes on: as it was until now, from the record, and
+    from now on, or from its end on, as constant/feed asks.
+
+\*---------------------------------------------------------------------------*/
+
+#include "feed/Feed.H"
+#include "feed/FeedRecord.H"
+#include "foam/foamVersion.H"
+
+#include <cmath>
+
+namespace Foam
+{
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+void Feed::have(const dictionary& settings)
+{
+    const fileName file(dictionary::name());
+    dictionary::operator=(settings);
+    dictionary::name() = file;
+}
+
+
+void Feed::takeOver(const word& phaseName, const dictionary& told)
+{
+    told_ = told;
+    first_ = told.get<label>("first");
+    if (told.found("before"))
+    {
+        before_.reset(new Feed(mesh_, phaseName, told.subDict("before")));
+    }
+}
+
+
+void Feed::goOn(const word& phaseName)
+{
+    case_ = *this;
+    files_ = feedRecord::caseFiles(mesh_);
+    const dictionary record(feedRecord::read(mesh_));
+    if (record.empty())
+    {
+        return;
+    }
+
+    wordHashSet changed(feedRecord::changes(mesh_, record, case_, files_));
+    changed.erase("drainTime");
+    if (!changed.empty())
+    {
+        beginStretch(phaseName, record, changed);
+        return;
+    }
+
+    dictionary settings(record.subDict("stretch").subDict("settings"));
+    settings.remove("drainTime");
+    if (const entry* drain = case_.findEntry("drainTime"))
+    {
+        settings.add(*drain);
+    }
+    have(settings);
+    takeOver(phaseName, record.subDict("stretch"));
+}
+
+
+void Feed::beginStretch
+(
+    const word& phaseName,
+    const dictionary& record,
+    const wordHashSet& changed
+)
+{
+    const dictionary& was = record.subDict("case");
+    const auto refuse = [&](const keyType& entry, const string& allowed)
+    {
+        feedRecord::refuse(mesh_, entry, was, case_, allowed);
+    };
+    for (const word entry : {"duration", "particles"})
+    {
+        if (was.found(entry) != case_.found(entry))
+        {
+            refuse(entry, "that, or a run from the start");
+        }
+    }
+
+    before_.reset(new Feed(mesh_, phaseName, record.subDict("stretch")));
+    const scalar now = mesh_.time().value();
+    const scalar duration = case_.getOrDefault<scalar>("duration", GREAT);
+    const scalar durationBefore = was.getOrDefault<scalar>("duration", GREAT);
+    const label particles = case_.getOrDefault<label>("particles", labelMax);
+    const label particlesBefore = was.getOrDefault<label>("particles", labelMax);
+    const bool otherRate =
+        changed.found("loading") || changed.found("massFlowRate");
+    const bool spread =
+        before_->weighted() && case_.found("duration")
+     && case_.found("particles");
+
+    // Parcels that weigh as before go on where the feed would have ended
+    const scalar wanted = scalar(particles)*durationBefore;
+    const bool goesOn =
+        !otherRate
+     && duration >= durationBefore
+     && particles >= particlesBefore
+     && (
+            !spread
+         || particles == particlesBefore
+         || mag(wanted - particlesBefore*duration) < 1e-9*wanted
+        );
+    const scalar from = goesOn ? max(now, before_->end()) : now;
+    const scalar end = before_->start() + duration;
+    first_ = before_->fedUntil(from);
+
+    OStringStream more;
+    if (!(end > from))
+    {
+        more<< "more than " << from - before_->start() << ", as that much is over";
+        refuse(changed.found("duration") ? "duration" : *changed.begin(), more.str());
+    }
+    label own = particles - first_;
+    if (spread && particles == particlesBefore)
+    {
+        own = max(1, label(std::round(particles/durationBefore*(end - from))));
+    }
+    if (case_.found("particles") && own < 1)
+    {
+        more<< "more than " << first_ << ", as so many are fed";
+        refuse("particles", more.str());
+    }
+
+    dictionary settings(case_);
+    settings.set("start", from);
+    if (case_.found("duration"))
+    {
+        settings.set("duration", end - from);
+    }
+    if (case_.found("particles"))
+    {
+        settings.set("particles", own);
+    }
+    have(settings);
+
+    const dictionary last(before_->stretch());
+    if (last.found("focus"))
+    {
+        told_.add("focus", last.subDict("focus"));
+    }
+    if (!otherRate)
+    {
+        told_.add("massFlow", before_->massFlow());
+    }
+    Info<< "elutria: feed changes at time " << from << ':';
+    for (const word& entry : changed.sortedToc())
+    {
+        Info<< ' ' << entry;
+    }
+    Info<< " of constant/feed" << endl;
+}
+
+
+dictionary Feed::stretch() const
+{
+    dictionary record, focus;
+    record.add("first", first_);
+    record.add("settings", static_cast<const dictionary&>(*this));
+    record.add("massFlow", massFlow_);
+    if (maxParticles_ < labelMax)
+    {
+        record.add("parcels", maxParticles_);
+    }
+    for (const Material& m : materials_)
+    {
+        if (m.focus > 0)
+        {
+            focus.add(m.name, m.focus);
+        }
+    }
+    if (!focus.empty())
+    {
+        record.add("focus", focus);
+    }
+    if (before_)
+    {
+        record.add("before", before_->stretch());
+    }
+    return record;
+}
+
+
+// * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void Feed::writeRecord() const
+{
+    dictionary record;
+    record.add("case", case_);
+    record.add("files", files_);
+    record.add("stretch", stretch());
+    feedRecord::write(mesh_, record);
+}
+
+
+} // End namespace Foam

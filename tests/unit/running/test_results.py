@@ -1,0 +1,210 @@
+"""What a folder holds is what it says: runs go on, other cases are refused, no row is lost."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from elutria import tables
+from elutria.case.case import Case
+from elutria.errors import InputError
+from elutria.files import read_csv
+from elutria.running.axes import grid, read_points
+from elutria.running.run import run_case
+from tests.support.sweeps import SMALL, sweep
+
+LOADING = "system/simulationParameters:loading"
+DRAIN = "system/simulationParameters:drainTime"
+SEED = "system/simulationParameters:seed"
+
+
+def started(starts: Path) -> list[str]:
+    return starts.read_text().splitlines() if starts.exists() else []
+
+
+def velocities(to: Path) -> set[float]:
+    return {row["gas_velocity_m_s"] for row in read_csv(to / "summary.csv", tables.SUMMARY)}
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_velocity_more_keeps_the_rows_of_the_others(column: Path, tmp_path: Path) -> None:
+    to = tmp_path / "results"
+    sweep(column, to, "4,6")
+    before = (to / "summary.csv").read_text().splitlines()
+    sweep(column, to, "5")
+    assert velocities(to) == {4, 5, 6}
+    after = (to / "summary.csv").read_text().splitlines()
+    assert set(before) < set(after)
+    assert [row.split(",")[0] for row in after[1:]] == ["4", "4", "5", "5", "6", "6"]
+
+
+def test_another_case_is_refused_and_touches_nothing(
+    column: Path, fake_solver: Path, tmp_path: Path
+) -> None:
+    to = tmp_path / "results"
+    sweep(column, to, "5")
+    other, same = tmp_path / "zigzag", tmp_path / "same"
+    subprocess.run(["cp", "-r", str(column), str(same)], check=True)
+    subprocess.run(["cp", "-r", str(column), str(other)], check=True)
+    assert sweep(same, to, "5").skipped == 1  # the same case, elsewhere and with another name
+    assert sweep(column, to, "5").skipped == 1
+    before = {path: path.read_bytes() for path in to.rglob("*") if path.is_file()}
+    feed = other / "constant/feed"
+    feed.write_text(feed.read_text().replace("2650", "2700"))
+    with pytest.raises(InputError, match="results of the case 'column', not of 'zigzag'"):
+        sweep(other, to, "6")
+    (column / "constant/feed").write_text(feed.read_text())
+    with pytest.raises(InputError, match=r"before these changed: constant/feed; choose"):
+        sweep(column, to, "6")
+    with pytest.raises(InputError, match=r"particles \(400, now 200\)"):
+        sweep(same, to, "5", extra=[SMALL[0].replace("400", "200")])
+    assert len(started(fake_solver)) == 1
+    assert {path: path.read_bytes() for path in to.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_run_is_no_folder_for_a_sweep(column: Path, tmp_path: Path) -> None:
+    case = Case(column)
+    run_case(case, tmp_path / "one", case.settings_for(5, SMALL))
+    with pytest.raises(InputError, match="is the folder of a run"):
+        sweep(column, tmp_path / "one", "5")
+
+
+def test_a_killed_run_goes_on(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    to = tmp_path / "one"
+    monkeypatch.setenv("FAKE_SLEEP", "60")
+    command = [sys.executable, "-m", "elutria", "run", str(column), "--velocity", "5",
+               "--set", SMALL[0], "--to", str(to)]  # fmt: skip
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    end = time.monotonic() + 200
+    while not (to / "0.5/seed").is_file():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    (to / "0.5/ours").touch()
+    monkeypatch.setenv("FAKE_SLEEP", "0")
+    time.sleep(0.5)  # its solver ends with it
+    case = Case(column)
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    assert len(started(fake_solver)) == 2
+    assert (to / "0.5/ours").is_file(), "the run has been begun again"
+    assert (to / "log.elutriaFoam.1").is_file()
+    assert (to / "finished.json").is_file()
+
+
+def test_other_inputs_are_refused_or_go_on(column: Path, fake_solver: Path, tmp_path: Path) -> None:
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    (to / "0.5/ours").touch()
+    longer = case.settings_for(5, [*SMALL, f"{DRAIN}=9"])
+    with pytest.raises(InputError, match=r"drainTime \(not set, now 9\).*--extend"):
+        run_case(case, to, longer, anew=False)
+    assert len(started(fake_solver)) == 1
+    run_case(case, to, longer, anew=False, extend=True)
+    run_case(case, to, longer, anew=False, extend=True)
+    assert len(started(fake_solver)) == 2
+    assert (to / "0.5/ours").is_file()
+    assert Case(to).value(*DRAIN.split(":")) == "9"
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_what_the_solver_refuses_leaves_the_run_as_it_was(column: Path, tmp_path: Path) -> None:
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+
+    def inputs() -> dict[Path, bytes]:
+        return {p: p.read_bytes() for p in to.rglob("*") if p.is_file() and "log" not in p.name}
+
+    before = inputs()
+    with pytest.raises(InputError, match="seed is 7"):
+        run_case(case, to, case.settings_for(5, [*SMALL, f"{SEED}=7"]), extend=True)
+    assert inputs() == before
+    mesh = column / "system/blockMeshDict"
+    mesh.write_text(mesh.read_text().replace("(10 10 49)", "(12 12 49)"))
+    with pytest.raises(InputError, match="system/blockMeshDict: has changed"):
+        run_case(Case(column), to, case.settings_for(5, SMALL), extend=True)
+    assert inputs() == before
+
+
+def test_a_grid_has_its_settings_as_columns(
+    column: Path, fake_solver: Path, tmp_path: Path
+) -> None:
+    to = tmp_path / "results"
+    sweep(column, to, "4,5")
+    sweep(column, to, "4,5", vary=[f"{LOADING}=0.1,0.8"])
+    sweep(column, to, "4", vary=[f"{LOADING}=0.2"])
+    assert len(started(fake_solver)) == 6  # 0.2 is the case's own
+    assert (to / "U4_loading=0.8/finished.json").is_file()
+    for name, columns in (("summary", tables.SUMMARY), ("partition", tables.PARTITION),
+                          ("fit", tables.FIT), ("curve", tables.CURVE)):  # fmt: skip
+        rows = read_csv(to / f"{name}.csv", columns)
+        head = (to / f"{name}.csv").read_text().splitlines()[0].split(",")
+        assert head == [*columns, LOADING]
+        assert {(row["gas_velocity_m_s"], row[LOADING]) for row in rows} == {
+            (u, loading) for u in (4, 5) for loading in (0.1, 0.2, 0.8)
+        }  # fmt: skip
+    summary = read_csv(to / "summary.csv", tables.SUMMARY)
+    cut = {(r["gas_velocity_m_s"], r[LOADING]): r["d50_m"] for r in summary}
+    assert cut[4, 0.8] / cut[4, 0.2] == pytest.approx(4**0.1, rel=0.1)
+    assert list(dict.fromkeys(r[LOADING] for r in summary)) == [0.1, 0.2, 0.8]
+    known = json.loads((to / "sweep.json").read_text())
+    assert known["varied"] == {LOADING: [0.1, 0.2, 0.8]}
+    assert known["settings"] == SMALL
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_points_of_a_file_are_runs(column: Path, tmp_path: Path) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text(f"gas_velocity_m_s,{LOADING}\n4,0.2\n5,0.4\n4,0.2\n")
+    points = read_points(Case(column), file)
+    assert [(point.velocity, dict(point.others)) for point in points] == [
+        (4, {}), (5, {LOADING: "0.4"})
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "axis, said",
+    [
+        ("system/simulationParameters:loadng=1,2", "did you mean 'loading'|loadng"),
+        ("system/nothing:loading=1,2", "system/nothing: no such file"),
+        (f"{LOADING}=1,x", "'1,x'; allowed: A:B:N"),
+        (f"{LOADING}=1:2", "'1:2'; allowed: A:B:N"),
+        (f"{LOADING}=1:2:0", "allowed: A:B:N"),
+        (f"{LOADING}=nan", "not finite"),
+        ("loading=1,2", "allowed: FILE:ENTRY=A:B:N"),
+        ("system/simulationParameters:parcels=1:2:3", "no number"),
+        ("constant/feed:materials/quartz=1,2", "is a dictionary"),
+        ("system/simulationParameters:gasVelocity=1,2", "varied twice"),
+    ],
+)
+def test_bad_axes_are_one_line(column: Path, axis: str, said: str) -> None:
+    with pytest.raises(InputError, match=said) as caught:
+        grid(Case(column), "5", [axis])
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("gas_velocity_m_s\n", "holds no points"),
+        ("gas_velocity\n5\n", "column 'gas_velocity'; allowed"),
+        ("gas_velocity_m_s\nx\n", "'x' in line 2"),
+        (f"gas_velocity_m_s,{LOADING}\n5\n", "line 2 has 1 cells"),
+        ("system/simulationParameters:lodng\n5\n", "lodng"),
+    ],
+)
+def test_bad_points_are_one_line(column: Path, tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=said):
+        read_points(Case(column), file)
