@@ -258,6 +258,18 @@ def test_few_or_strange_events_do_not_crash(seed: int) -> None:
     assert isinstance(fit.sharpness, float)
 
 
+@pytest.mark.parametrize("lightest", [1e-3, 0.05])
+def test_a_product_of_next_to_no_weight_is_no_error(lightest: float) -> None:
+    """One light parcel to fines speaks against no share of misplaced particles."""
+    random = np.random.default_rng(3)
+    diameter = np.sort(random.uniform(3e-4, 2e-3, 27))
+    coarse = np.arange(27) > 0
+    weight = np.where(coarse, np.exp(random.normal(size=27)), lightest)
+    fit = fit_partition(diameter, coarse, weight, np.arange(27) * 0.01)
+    share, low, high = fit.band(diameter)
+    assert np.all((low <= share) & (share <= high))
+
+
 def test_a_cut_outside_the_sizes_is_not_invented() -> None:
     diameter, coarse = draw(MODELS[0], 2.0, 0.0, 4_000, seed=3)
     large = diameter > 1.05 * CUT

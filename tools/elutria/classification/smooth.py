@@ -338,12 +338,14 @@ def farthest(
 
 def _misplaced(line: Array, coarse: Array, fines: Array) -> float:
     """The share b of all that may go to coarse beside T = expit(line): T + (1 - T) b costs
-    MISPLACED in ln L."""
+    MISPLACED in ln L. 1 where the few that went to fines do not speak against it."""
+
     def loss(log_share: float) -> float:
         more = coarse @ np.logaddexp(0, log_share - line)  # ln(1 + b (1 - T)/T)
         return float(-more - fines.sum() * np.log1p(-exp(log_share)) - MISPLACED)
 
-    return exp(brentq(loss, log(1e-9), log(1 - 1e-9), xtol=1e-3))
+    most = log(1 - 1e-9)
+    return exp(brentq(loss, log(1e-9), most, xtol=1e-3)) if loss(most) > 0 else 1.0
 
 
 def _mixture(weight: Array, center: Array, end: Array) -> Array:
