@@ -9,9 +9,7 @@
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
-#include "IOField.H"
 #include "volFields.H"
-#include "mathematicalConstants.H"
 #include "wordRes.H"
 
 #include <cmath>
@@ -23,8 +21,6 @@ defineTypeNameAndDebug(Feed, 0);
 
 namespace
 {
-
-constexpr scalar piBy6 = constant::mathematical::pi/6;
 
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
@@ -283,90 +279,6 @@ scalar Feed::random(const label i, const label k) const
 }
 
 
-void Feed::drawParcels()
-{
-    std::vector<elutria::laws::Ingredient> ingredients;
-    label present = 0;
-    for (const Material& m : materials_)
-    {
-        ingredients.push_back(m.ingredient());
-        present += m.massFraction > 0;
-    }
-    if (weighted() && parcels_ < present)
-    {
-        FatalIOErrorInFunction(*this)
-            << "particles is " << parcels_ << ", allowed: >= " << present
-            << ", a parcel of each material" << exit(FatalIOError);
-    }
-    std::vector<double> ends(ends_.cbegin(), ends_.cend());
-    if (ends.empty() || ends.back() < slots_)
-    {
-        ends.push_back(slots_);
-    }
-    drawn_.reset
-    (
-        new elutria::laws::StratifiedFeed
-        (
-            ingredients, sampling_, seed_, massFlow_/rate_, ends
-        )
-    );
-}
-
-
-IOobject Feed::stateOf(const word& name, const IOobject::readOption read) const
-{
-    return IOobject
-    (
-        name, mesh_.time().timeName(), "uniform", mesh_,
-        read, IOobject::NO_WRITE, false
-    );
-}
-
-
-void Feed::readEnds()
-{
-    ends_ = IOField<scalar>(stateOf("feedEnds", IOobject::READ_IF_PRESENT));
-}
-
-
-void Feed::writeState() const
-{
-    scalarList begun(ends_);
-    if
-    (
-        (begun.empty() || begun.last() < slots_)
-     && fedUntil(mesh_.time().value()) > label(drawn_->lastBlock())
-    )
-    {
-        begun.append(slots_);
-    }
-    if (begun.size())
-    {
-        const unsigned digits = IOstream::defaultPrecision(17);
-        IOField<scalar>(stateOf("feedEnds", IOobject::NO_READ), begun).write();
-        IOstream::defaultPrecision(digits);
-    }
-}
-
-
-elutria::laws::FedParcel Feed::drawn(const label i) const
-{
-    if (i < 0 || i >= parcels_)
-    {
-        FatalIOErrorInFunction(*this)
-            << "parcel " << i << " is not of this feed, which has " << parcels_
-            << ": was it changed since the run began?" << exit(FatalIOError);
-    }
-    return (*drawn_)[i];
-}
-
-
-scalar Feed::slot(const label i) const
-{
-    return i + random(i, 2)*min(scalar(1), slots_ - i);
-}
-
-
 point Feed::place
 (
     const label i,
@@ -479,47 +391,6 @@ label Feed::fedUntil(const scalar time) const
     const bool entered = slot(i) < slots;
 
     return min(i + label(entered), parcels_);
-}
-
-
-scalar Feed::mass(const label i) const
-{
-    const elutria::laws::FedParcel p = drawn(i);
-    return materials_[p.material].density*piBy6*pow3(p.diameter);
-}
-
-
-scalar Feed::number(const label i) const
-{
-    return weighted() ? drawn(i).mass/mass(i) : 1;
-}
-
-
-scalar Feed::meanMass() const
-{
-    scalar number = 0;
-    for (const Material& m : materials_)
-    {
-        number += m.massFraction/m.ingredient().meanMass();
-    }
-    return 1/number;
-}
-
-
-scalar Feed::numberFraction(const Material& m) const
-{
-    return m.massFraction*meanMass()/m.ingredient().meanMass();
-}
-
-
-scalar Feed::heaviestParcel() const
-{
-    scalar heaviest = 0;
-    for (label i = 0; i < min(label(1000), parcels_); ++i)
-    {
-        heaviest = max(heaviest, drawn(i).mass);
-    }
-    return heaviest;
 }
 
 
