@@ -10,9 +10,7 @@
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
-#include "IOField.H"
 #include "volFields.H"
-#include "mathematicalConstants.H"
 #include "wordRes.H"
 
 #include <cmath>
@@ -24,8 +22,6 @@ defineTypeNameAndDebug(Feed, 0);
 
 namespace
 {
-
-constexpr scalar piBy6 = constant::mathematical::pi/6;
 
 scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 {
@@ -290,50 +286,6 @@ scalar Feed::random(const label i, const label k) const
 }
 
 
-void Feed::drawParcels()
-{
-    std::vector<elutria::laws::Ingredient> ingredients;
-    label present = 0;
-    for (const Material& m : materials_)
-    {
-        ingredients.push_back(m.ingredient());
-        present += m.massFraction > 0;
-    }
-    if (weighted() && parcels_ < present)
-    {
-        FatalIOErrorInFunction(*this)
-            << "particles is " << parcels_ << ", allowed: >= " << present
-            << ", a parcel of each material" << exit(FatalIOError);
-    }
-    drawn_.reset
-    (
-        new elutria::laws::StratifiedFeed
-        (
-            ingredients, sampling_, seed_ + uint64_t(first_),
-            massFlow_/rate_, {slots_}
-        )
-    );
-}
-
-
-elutria::laws::FedParcel Feed::drawn(const label k) const
-{
-    if (k < 0 || k >= parcels_)
-    {
-        FatalIOErrorInFunction(*this)
-            << "parcel " << first_ + k << " is not of this feed, which has " << parcels_
-            << ": was it changed since the run began?" << exit(FatalIOError);
-    }
-    return (*drawn_)[k];
-}
-
-
-scalar Feed::slot(const label i) const
-{
-    return i + random(i, 2)*min(scalar(1), slots_ - i);
-}
-
-
 point Feed::place
 (
     const label i,
@@ -504,61 +456,6 @@ label Feed::fedUntil(const scalar time) const
 }
 
 
-scalar Feed::mass(const label i) const
-{
-    const Feed& own = stretchOf(i);
-    return own.ownMass(i - own.first_);
-}
-
-
-scalar Feed::ownMass(const label k) const
-{
-    const elutria::laws::FedParcel p = drawn(k);
-    return materials_[p.material].density*piBy6*pow3(p.diameter);
-}
-
-
-scalar Feed::number(const label i) const
-{
-    const Feed& own = stretchOf(i);
-    return own.ownNumber(i - own.first_);
-}
-
-
-scalar Feed::ownNumber(const label k) const
-{
-    return weighted() ? drawn(k).mass/ownMass(k) : 1;
-}
-
-
-scalar Feed::meanMass() const
-{
-    scalar number = 0;
-    for (const Material& m : materials_)
-    {
-        number += m.massFraction/m.ingredient().meanMass();
-    }
-    return 1/number;
-}
-
-
-scalar Feed::numberFraction(const Material& m) const
-{
-    return m.massFraction*meanMass()/m.ingredient().meanMass();
-}
-
-
-scalar Feed::heaviestParcel() const
-{
-    scalar heaviest = 0;
-    for (label i = 0; i < min(label(1000), parcels_); ++i)
-    {
-        heaviest = max(heaviest, drawn(i).mass);
-    }
-    return heaviest;
-}
-
-
 Feed::Particle Feed::particle(const label i) const
 {
     const Feed& own = stretchOf(i);
@@ -574,7 +471,6 @@ Feed::Particle Feed::ownParticle(const label k) const
     p.material = parcel.material;
     p.diameter = parcel.diameter;
     p.number = ownNumber(k);
-
 
     p.position = place(k, p.diameter, false);
     return p;

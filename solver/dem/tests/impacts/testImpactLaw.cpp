@@ -196,7 +196,7 @@ TEST_CASE("impact: rolling resistance as the soft contact has it")
     }
 }
 
-TEST_CASE("impact: rolling friction r costs r of the speed and 4 r of the surface's against the soft contact")
+TEST_CASE("impact: rolling friction r costs r of the speed and 4.5 r of the surface's against the soft contact")
 {
     double worstVelocity = 0, worstSpin = 0;
     for (const double rolling : {0.001, 0.01})
@@ -234,7 +234,7 @@ TEST_CASE("impact: rolling friction r costs r of the speed and 4 r of the surfac
                     }
                 }
     CHECK(worstVelocity < 1.1);
-    CHECK(worstSpin < 4.2);
+    CHECK(worstSpin < 4.6);
     CHECK(worstSpin > 1);       // the manual names it
 }
 
