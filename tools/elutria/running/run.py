@@ -21,6 +21,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from elutria import __version__
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json, write_json, writing_to
@@ -106,7 +107,7 @@ def run_case(
         _clear(folder)
         start = time.monotonic()
         copy = case.copy_to(folder, settings)
-        write_json(folder / MARKER, {"case": case.name, "inputs": fingerprint})
+        write_json(folder / MARKER, _marker(case, fingerprint, settings, np))
         velocity, feed = copy.velocity(), copy.feed()
         make_mesh(copy)
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
@@ -119,6 +120,17 @@ def run_case(
             {"inputs": fingerprint, "gas_velocity_m_s": velocity, "wall_time_s": round(seconds, 3)},
         )
     return copy
+
+
+def _marker(case: Case, fingerprint: str, settings: list[Setting], np: int) -> dict[str, Any]:
+    """What a folder is a run of, and how to make it again."""
+    return {
+        "case": case.name,
+        "inputs": fingerprint,
+        "settings": [f"{s.file}:{s.entry}={s.value}" for s in settings],
+        "processors": np,
+        "elutria": __version__,
+    }
 
 
 def read_plan(folder: Path) -> dict[str, Any]:
