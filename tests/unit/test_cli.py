@@ -14,7 +14,7 @@ import pytest
 
 from elutria.cli import main
 
-COMMANDS = ["check", "run", "sweep", "classify", "plot", "vtk", "bench", "verify"]
+COMMANDS = ["check", "run", "sweep", "classify", "plot", "report", "vtk", "bench", "verify"]
 TEXT_FILES = [
     "constant/feed",
     "system/simulationParameters",
@@ -92,6 +92,9 @@ def test_check_says_what_was_understood(capsys: pytest.CaptureFixture[str], colu
         ["classify", "nowhere"],
         ["plot", "nowhere"],
         ["plot", "CASE"],
+        ["plot", "CASE", "--format", "jpg"],
+        ["report", "nowhere"],
+        ["report", "CASE"],
         ["bench", "nothing"],
         ["verify", "nothing"],
     ],

@@ -180,6 +180,29 @@ def plot(
     _plot(results, formats)
 
 
+@app.command(epilog="Example: elutria report results/column --to column.html --pdf")
+def report(
+    results: ResultsArgument,
+    to: Annotated[Path | None, typer.Option(help="Default: RESULTS/report.html.")] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print it with Chromium, if there is one.")] = (
+        False
+    ),
+) -> None:
+    """One page to hand on: what was asked, the answer, how it came about. Needs no network."""
+    from elutria.pages.browser import find_browser, print_pdf
+    from elutria.pages.report import write_report
+
+    page = write_report(results, to or results / "report.html")
+    console.print(str(page), highlight=False, soft_wrap=True)
+    if pdf:
+        program = find_browser()
+        if program is None:
+            errors.print("no PDF: no Chromium or Chrome on PATH; open the page and print it")
+        else:
+            printed = print_pdf(program, page, page.with_suffix(".pdf"))
+            console.print(str(printed), highlight=False, soft_wrap=True)
+
+
 @app.command(epilog="Example: elutria vtk results/column/U5")
 def vtk(
     case: CaseArgument,
@@ -198,9 +221,7 @@ def _refuse_overlap(case: Path, folder: Path) -> None:
         raise InputError(f"--to {folder}: lies within the case {case} or holds it; choose another")
 
 
-def _classify_folder(
-    folder: Path, to: Path, quiet: bool = False, wide: bool = False
-) -> list[Row]:
+def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = False) -> list[Row]:
     from elutria.case.case import Case
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run

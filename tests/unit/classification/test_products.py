@@ -68,7 +68,7 @@ def test_a_product_that_stayed_empty_has_no_sizes() -> None:
     empty = rows["fines", "all"]
     assert (empty["mass_kg"], empty["recovery"]) == (0, 0)
     assert 0 < empty["recovery_high"] < 0.02
-    assert np.isnan([empty["d50_m"], empty["grade"]]).all()
+    assert np.isnan([empty["d50_m"], rows["fines", "quartz"]["grade"]]).all()
 
 
 COLUMNS = [("yield", ""), ("recovery", ""), ("grade", ""), ("d10", "_m"), ("d50", "_m"),

@@ -37,6 +37,8 @@ def product_rows(events: Events, materials: list[str]) -> list[Row]:
             both = in_product & of_material
             share = _share(mass, both, everyone)
             total = float(mass.sum())
+            # of all materials it is 1 without a doubt
+            grade = _share(mass, both, in_product) if material != "all" else [1.0, 1.0, 1.0]
             rows.append(
                 {
                     "product": product,
@@ -44,7 +46,7 @@ def product_rows(events: Events, materials: list[str]) -> list[Row]:
                     **_named("mass{}_kg", [total * value for value in share]),
                     **_named("yield{}", share),
                     **_named("recovery{}", _share(mass, both, of_material)),
-                    **_named("grade{}", _share(mass, both, in_product)),
+                    **_named("grade{}", grade),
                     **_sizes(left.diameter[both], mass[both]),
                 }
             )

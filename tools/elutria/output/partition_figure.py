@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nan
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -40,9 +42,9 @@ def partition_figure(
     for axes, material in zip(panels, materials, strict=True):
         for k, (setting, look) in enumerate(zip(settings.all, styles, strict=True)):
             curve = settings.select(curves, setting, material)
-            classes = compared(settings.select(partition, setting, material), curve)
+            classes = compared(settings.select(partition, setting, material), curve, number)
             drawn += classes
-            shown = [row for row in classes if _is_shown(row, number)]
+            shown = [row for row in classes if row["is_shown"]]
             _draw_curve(axes, _within(curve, classes), look, f"setting{k}-{material}")
             _draw_classes(axes, shown, look, f"setting{k}-{material}")
         axes.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
@@ -61,26 +63,23 @@ def partition_figure(
     return figure, drawn
 
 
-def compared(classes: list[Row], curve: list[Row]) -> list[Row]:
-    """The classes of which anything is known, each with the curve's mean over it."""
+def compared(classes: list[Row], curve: list[Row], number: int) -> list[Row]:
+    """The classes of which anything is known, each with the curve's mean over it, and whether it is
+    drawn among the classes of `number` settings."""
     known = [row for row in classes if row["ci_high"] - row["ci_low"] < LEAST_KNOWN]
     place, share = np.log(column(curve, "diameter_m")), column(curve, "partition_to_coarse")
-    return [
-        {
-            **row,
-            "curve_mean": class_mean(row, curve),
-            "curve_at_mean": float(np.interp(np.log(row["diameter_m"]), place, share))
-            if curve
-            else float("nan"),
-        }
-        for row in known
-    ]
+    found = []
+    for row in known:
+        at_mean = float(np.interp(np.log(row["diameter_m"]), place, share)) if curve else nan
+        row = {**row, "curve_mean": class_mean(row, curve), "curve_at_mean": at_mean}
+        found.append({**row, "is_shown": _is_shown(row, number)})
+    return found
 
 
 def class_mean(row: Row, curve: list[Row]) -> float:
     """Mean of a curve over a class, whose mass is taken to be linear in ln d, about its mean."""
     if not curve:
-        return float("nan")
+        return nan
     low, high, mean = (np.log(row[f"diameter{end}_m"]) for end in ("_low", "_high", ""))
     y = np.linspace(low, high, 65)
     middle, width = (low + high) / 2, high - low

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -88,14 +89,17 @@ def _draw(axes: Axes, rows: list[Row], products: list[str]) -> None:
     for number, product in enumerate(products):
         x, y = steps(rows, column(rows, f"{product}_per_decade"))
         colour = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
-        axes.fill_between(x, y, facecolor=(colour, 0.3), edgecolor=(colour, 0.8), linewidth=0,
+        axes.fill_between(x, y, facecolor=(colour, 0.3), linewidth=0, zorder=2)
+        # apart from the fill: SVG hatches know no transparency
+        axes.fill_between(x, y, facecolor="none", edgecolor=colour, linewidth=0,
                           hatch=HATCHES[number % len(HATCHES)], zorder=2)  # fmt: skip
         axes.plot(x, y, color=colour, linewidth=0.9, linestyle=LINES[number % len(LINES)], zorder=3)
 
 
 def _patch(number: int) -> Any:
     colour = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
-    return Patch(facecolor=(colour, 0.3), edgecolor=colour, linewidth=0.6,
+    red, green, blue = (0.3 * share + 0.7 for share in to_rgb(colour))
+    return Patch(facecolor=(red, green, blue), edgecolor=colour, linewidth=0.6,
                  hatch=HATCHES[number % len(HATCHES)])  # fmt: skip
 
 

@@ -18,10 +18,10 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from elutria import __version__
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json, write_json, writing_to
@@ -128,8 +128,8 @@ def _marker(case: Case, fingerprint: str, settings: list[Setting], np: int) -> d
         "case": case.name,
         "inputs": fingerprint,
         "settings": [f"{s.file}:{s.entry}={s.value}" for s in settings],
-        "processors": np,
-        "elutria": __version__,
+        "np": np,
+        "elutria": version("elutria"),
     }
 
 
