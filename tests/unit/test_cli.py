@@ -14,7 +14,9 @@ import pytest
 
 from elutria.cli import main
 
-COMMANDS = ["check", "run", "sweep", "classify", "plot", "report", "vtk", "bench", "verify"]
+COMMANDS = [
+    "check", "run", "sweep", "classify", "plot", "report", "atlas", "vtk", "bench", "verify",
+]  # fmt: skip
 TEXT_FILES = [
     "constant/feed",
     "system/simulationParameters",
@@ -94,6 +96,8 @@ def test_check_says_what_was_understood(capsys: pytest.CaptureFixture[str], colu
         ["plot", "CASE"],
         ["plot", "CASE", "--format", "jpg"],
         ["report", "nowhere"],
+        ["atlas", "nowhere"],
+        ["atlas", "CASE"],
         ["report", "CASE"],
         ["bench", "nothing"],
         ["verify", "nothing"],

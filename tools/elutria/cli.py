@@ -203,6 +203,17 @@ def report(
             console.print(str(printed), highlight=False, soft_wrap=True)
 
 
+@app.command(epilog="Example: elutria atlas results/column --to atlas.html")
+def atlas(
+    results: ResultsArgument,
+    to: Annotated[Path | None, typer.Option(help="Default: RESULTS/atlas.html.")] = None,
+) -> None:
+    """One page with sliders that answers between the runs of a sweep, and for other feeds."""
+    from elutria.pages.atlas import write_atlas
+
+    console.print(str(write_atlas(results, to or results / "atlas.html")), soft_wrap=True)
+
+
 @app.command(epilog="Example: elutria vtk results/column/U5")
 def vtk(
     case: CaseArgument,
