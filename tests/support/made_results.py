@@ -23,7 +23,7 @@ def make_results(folder: Path, velocities: list[float], particles: int = 800) ->
     for velocity in velocities:
         settings = [
             f"system/simulationParameters:particles={particles}",
-            f"system/simulationParameters:gasVelocity={velocity:g}",
+            f"system/simulationParameters:gasVelocity={velocity:.12g}",
         ]
         run = folder / f"U{velocity:g}"
         case = Case(ROOT / "cases/column").copy_to(run, map(Setting.parse, settings))

@@ -14,9 +14,12 @@ from elutria import tables
 from elutria.cli import main
 from elutria.errors import InputError
 from elutria.files import read_csv
+from elutria.output.plots import read_results
 from elutria.pages import report
 from elutria.pages.browser import find_browser, run_browser
 from elutria.pages.report import write_report
+from elutria.pages.runs import find_runs
+from tests.support.made_results import make_results
 
 
 class Page(HTMLParser):
@@ -146,6 +149,14 @@ def test_results_without_their_runs_are_code_2(results: Path, tmp_path: Path) ->
         shutil.rmtree(run)
     with pytest.raises(InputError, match="none of the runs"):
         write_report(results, tmp_path / "page.html")
+
+
+def test_runs_are_found_whose_velocity_has_more_digits_than_the_tables(tmp_path: Path) -> None:
+    folder = make_results(tmp_path / "thirds", [16 / 3, 17 / 3], particles=200)
+    results = read_results(folder)
+    runs = find_runs(folder, results.settings)
+    assert [run.name for run in runs] == ["U5.33333", "U5.66667"]
+    assert [run.setting for run in runs] == results.settings.all
 
 
 def test_without_a_browser_one_line_says_so(

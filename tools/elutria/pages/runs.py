@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import dataclass
 from functools import cached_property
+from math import isclose
 from pathlib import Path
 from typing import Any
 
@@ -108,8 +109,11 @@ def find_runs(folder: Path, settings: Settings) -> list[RunFolder]:
     else:
         found = sorted(path.parent for path in folder.glob(f"*/{FINISHED}")
                        if (path.parent / LEDGER).is_file())  # fmt: skip
-    runs = [RunFolder(path, _setting(path, settings.columns)) for path in found]
-    known = [run for run in runs if run.setting in settings.all]
+    known = [
+        RunFolder(path, setting)
+        for path in found
+        if (setting := _listed(_setting(path, settings.columns), settings.all)) is not None
+    ]
     if not known:
         raise InputError(
             f"{folder}: none of the runs of its tables is there; allowed: the folder of a sweep or "
@@ -122,6 +126,19 @@ def _setting(path: Path, columns: list[str]) -> Setting:
     """The run's values in the columns that part the tables' rows."""
     case = Case(path)
     return tuple(case.velocity() if name == VELOCITY else _entry(case, name) for name in columns)
+
+
+def _listed(setting: Setting, listed: list[Setting]) -> Setting | None:
+    """The setting as the tables have it, with fewer digits; None where they do not."""
+
+    def same(one: Any, other: Any) -> bool:
+        both = isinstance(one, float) and isinstance(other, float)
+        return isclose(one, other, rel_tol=1e-7) if both else one == other
+
+    for entry in listed:
+        if all(map(same, setting, entry)):
+            return entry
+    return None
 
 
 def _entry(case: Case, name: str) -> Any:
