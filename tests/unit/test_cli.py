@@ -99,6 +99,7 @@ def test_check_says_what_was_understood(capsys: pytest.CaptureFixture[str], colu
         ["atlas", "nowhere"],
         ["atlas", "CASE"],
         ["report", "CASE"],
+        ["report", "CASE", "--to", "TMP/page.pdf"],
         ["bench", "nothing"],
         ["verify", "nothing"],
     ],

@@ -8,6 +8,7 @@ import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from elutria import tables
@@ -94,6 +95,18 @@ def test_every_measured_class_has_its_words(made: Path, tmp_path: Path) -> None:
         (own,) = [title for title in words if title.startswith(f"{row['gas_velocity_m_s']:g} m/s")
                   and f": {row['diameter_low_m'] * 1e6:.4g} to " in title]  # fmt: skip
         assert f"To coarse {100 * row['partition_to_coarse']:.1f} %" in own
+
+
+def test_words_stand_on_their_own_mark(made: Path, tmp_path: Path) -> None:
+    """The higher a mark in the picture, the larger the share that its words tell."""
+    text = write_report(made, tmp_path / "page.html").read_text()
+    marks = re.findall(r'<use [^>]*?y="([\d.]+)"[^>]*><title>5 m/s[^<]*?To coarse ([\d.]+) %', text)
+    assert len(marks) > 3
+    height = np.array([float(y) for y, _ in marks])
+    share = np.array([float(share) for _, share in marks])
+    slope, offset = np.polyfit(share, height, 1)
+    assert slope < 0
+    assert np.abs(slope * share + offset - height).max() < 0.2  # points of 1/72 inch
 
 
 def test_what_differs_between_runs_is_said_of_which(made: Path, tmp_path: Path) -> None:

@@ -24,7 +24,8 @@ def setting_columns(summary: Sequence[Row], partition: Sequence[Row]) -> list[st
     known = {*tables.SUMMARY, *tables.PARTITION}
     more = [name for name in (summary[0] if summary else {}) if name not in known]
     products = {f"{name}_kg" for name in products_of(partition)}
-    kept = [name for name in more if name in partition[0] and name not in products]
+    both = partition[0] if partition else {}
+    kept = [name for name in more if name in both and name not in products]
     return [VELOCITY, *kept]
 
 

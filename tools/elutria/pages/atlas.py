@@ -33,7 +33,7 @@ from elutria.output.settings import (
     short,
 )
 from elutria.output.style import MATERIAL_COLOURS
-from elutria.pages.report import templates
+from elutria.pages.report import refuse_other_names, templates
 from elutria.pages.runs import RunFolder, find_runs
 
 Array = NDArray[np.float64]
@@ -55,6 +55,7 @@ GAS_CHANGE, COLLISIONS = 0.05, 1.0
 def write_atlas(folder: Path, to: Path) -> Path:
     """The atlas of RESULTS at `to`. Raises InputError when there is nothing to interpolate in,
     ElutriaError when the page would be too large."""
+    refuse_other_names(to)
     results = read_results(folder)
     runs = find_runs(folder, results.settings)
     data = content(results, runs)

@@ -30,11 +30,18 @@ from elutria.pages.svg import inline_svg
 
 def write_report(folder: Path, to: Path) -> Path:
     """The report of RESULTS at `to`. Raises InputError when its tables or runs are not there."""
+    refuse_other_names(to)
     results = read_results(folder)
     runs = find_runs(folder, results.settings)
     page = templates().get_template("report.html.j2").render(content(folder, results, runs))
     write_text(to, page)
     return to
+
+
+def refuse_other_names(to: Path) -> None:
+    """Raise InputError unless `to` is the name of a page, which a PDF beside it would overwrite."""
+    if to.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--to {to}; allowed: a name that ends in .html")
 
 
 def templates() -> jinja2.Environment:
