@@ -58,7 +58,7 @@ def partition_figure(
     labels = [settings.label(setting) for setting in settings.all]
     if any(abs(row["curve_mean"] - row["curve_at_mean"]) > OFF for row in drawn):
         handles.append(Line2D([], [], color=TICK, marker="_", ms=4.5, mew=0.9, linestyle="none"))
-        labels.append("curve's mean over a class")
+        labels.append("class mean")
     legend_above(figure, handles, labels)
     return figure, drawn
 

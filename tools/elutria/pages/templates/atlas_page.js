@@ -92,7 +92,8 @@
     const left = 52, right = 628, low = ATLAS.bins[0], high = ATLAS.bins[ATLAS.bins.length - 1];
     const x = (y) => left + (right - left) * (y - low) / (high - low);
     const y = (value) => height - 40 - (height - 55) * value / top;
-    for (let decade = -9; decade < 1; decade += 1) [1, 2, 3, 5].forEach(function (mark) {
+    const marks = high - low < 2.5 ? [1, 1.5, 2, 3, 4, 6, 8] : [1, 2, 3, 5];
+    for (let decade = -9; decade < 1; decade += 1) marks.forEach(function (mark) {
       const at = Math.log(mark) + decade * Math.LN10;
       if (at < low || at > high) return;
       element(svg, "line", { x1: x(at), x2: x(at), y1: y(0), y2: y(top), class: "tick" });
