@@ -147,7 +147,7 @@ def test_each_setting_has_its_panel(tmp_path: Path, number: int) -> None:
     assert columns[0] == "gas_velocity_m_s"
 
 
-@pytest.mark.parametrize("form", ["svg", "pdf"])
+@pytest.mark.parametrize("form", ["svg", pytest.param("pdf", marks=pytest.mark.slow)])
 def test_figures_for_print_are_the_same_each_time(tmp_path: Path, form: str) -> None:
     folder = results(tmp_path, [5.0], ["quartz"])
     first = [path.read_bytes() for path in plots.write_figures(folder, [form])]
