@@ -130,6 +130,48 @@ def test_the_answer_at_a_run_is_the_run(made: Path, tmp_path: Path) -> None:
     assert coarse["recovery"]["value"] > before["recovery"]["value"] + 0.05
 
 
+LOADING = "system/simulationParameters:loading"
+
+
+def with_loading(results: Path, other: float, factor: float) -> None:
+    """To runs at 0.2 kg/kg, those at another loading, whose cut sizes are larger by a factor."""
+    for run in list(results.glob("U*")):
+        twin = shutil.copytree(run, results / f"{run.name}_loading={other:g}")
+        parameters = twin / "system/simulationParameters"
+        text = re.sub(r"(?m)^loading.*$", f"loading {other:g};", parameters.read_text())
+        parameters.write_text(text)
+    for name in ("summary", "partition", "curve"):
+        head, *rows = (results / f"{name}.csv").read_text().splitlines()
+        columns = head.split(",")
+        lines = [f"{head},{LOADING}", *(f"{row},0.2" for row in rows)]
+        for row in rows:
+            cells = row.split(",")
+            for k, column in enumerate(columns):
+                if name != "partition" and column[0] == "d" and column.endswith("_m"):
+                    cells[k] = f"{float(cells[k]) * factor:.9g}"
+            lines.append(",".join([*cells, f"{other:g}"]))
+        (results / f"{name}.csv").write_text("\n".join(lines) + "\n")
+
+
+def test_two_settings_are_interpolated_in_both(results: Path) -> None:
+    with_loading(results, 0.8, 1.21)
+    file = write_atlas(results, results / "atlas.html")
+    asked = [state(5.0), state(5.0), state(5.0), state(5.5)]
+    for one, loading in zip(asked, (0.2, 0.4, 0.8, 0.4), strict=True):
+        one["at"][LOADING] = loading
+    low, middle, high, between = ask(file, asked)
+    cuts = [one["materials"]["quartz"]["d50"] for one in (low, middle, high)]
+    assert cuts[2] / cuts[0] == pytest.approx(1.21, rel=1e-3)
+    assert cuts[1] / cuts[0] == pytest.approx(1.1, rel=1e-3)  # halfway in the logarithm
+    assert {name for one in between["runs"] for name in one["runs"]} == {
+        "U5", "U6", "U5_loading=0.8", "U6_loading=0.8",
+    }  # fmt: skip
+    assert between["beyond"] == []
+    shutil.rmtree(results / "U6_loading=0.8")
+    found = ask(write_atlas(results, results / "atlas.html"), asked[3:])[0]
+    assert found["beyond"] == ["a setting beside this point was not run"]
+
+
 def test_a_sweep_that_leaves_nothing_between_is_refused(results: Path) -> None:
     for run in ("U5", "U7"):
         shutil.rmtree(results / run)
