@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from matplotlib import rc_context
 
-from elutria.output.plots import STYLE
+from elutria.output.style import STYLE
 from elutria_validation.book.page import ORDER
 from elutria_validation.book.writing import run_chapter
 from elutria_validation.harness.job import Job

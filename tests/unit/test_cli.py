@@ -14,7 +14,10 @@ import pytest
 
 from elutria.cli import main
 
-COMMANDS = ["check", "run", "sweep", "classify", "plot", "vtk", "bench", "verify"]
+COMMANDS = [
+    "check", "run", "sweep", "find", "classify", "plot", "report", "atlas", "vtk", "bench",
+    "verify",
+]  # fmt: skip
 PARAMETERS = "system/simulationParameters"
 TEXT_FILES = [
     "constant/feed",
@@ -93,6 +96,12 @@ def test_check_says_what_was_understood(capsys: pytest.CaptureFixture[str], colu
         ["classify", "nowhere"],
         ["plot", "nowhere"],
         ["plot", "CASE"],
+        ["plot", "CASE", "--format", "jpg"],
+        ["report", "nowhere"],
+        ["atlas", "nowhere"],
+        ["atlas", "CASE"],
+        ["report", "CASE"],
+        ["report", "CASE", "--to", "TMP/page.pdf"],
         ["bench", "nothing"],
         ["verify", "nothing"],
     ],

@@ -47,6 +47,14 @@ SetOption = Annotated[
 ProcessorsOption = Annotated[
     int, typer.Option("--np", min=1, help="Processors of each run (decomposePar, mpirun).")
 ]
+WideOption = Annotated[bool, typer.Option("--wide", help="Print every column of summary.csv.")]
+FormatOption = Annotated[
+    list[str] | None,
+    typer.Option("--format", metavar="png|svg|pdf", help="Of the figures; repeatable."),
+]
+ResultsArgument = Annotated[
+    Path, typer.Argument(help="Folder with summary.csv and partition.csv: of a sweep or a run.")
+]
 
 
 @app.callback(epilog="Any command takes --debug: show the traceback of an error.")
@@ -59,7 +67,7 @@ def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
     from elutria.case.case import Case
     from elutria.estimates.check import check_text, report
-    from elutria.output.report import print_table
+    from elutria.output.terminal import print_table
     from elutria.running.run import ask_plan
 
     source = Case(case)
@@ -78,6 +86,8 @@ def run(
     extend: Annotated[
         bool, typer.Option(help="Go on with a longer drain or feed, or another loading.")
     ] = False,
+    wide: WideOption = False,
+    formats: FormatOption = None,
 ) -> None:
     """Copy, mesh, solve and classify a case; go on where it was stopped."""
     from elutria.case.case import Case
@@ -100,8 +110,8 @@ def run(
             display.update(f"{source.name}", share, note(step))
 
         run_case(source, folder, settings, np, on_step, anew=False, extend=extend)
-    _classify_folder(folder, folder)
-    _plot(folder)
+    _classify_folder(folder, folder, wide=wide)
+    _plot(folder, formats)
 
 
 @app.command(epilog="Example: elutria sweep cases/column --velocity 3:10:8 --to results/column")
@@ -126,6 +136,8 @@ def sweep(
         typer.Option(help="Replicates until the 95 % interval of d50 is +- this share of it."),
     ] = None,
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
+    wide: WideOption = False,
+    formats: FormatOption = None,
 ) -> None:
     """Run a case at several gas velocities, or other settings, side by side. What is finished is
     never run again; the tables hold all runs of the folder."""
@@ -152,12 +164,12 @@ def sweep(
         result = run_sweep(results, members, executor, np, display, asked)
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
-    _show(result.tables)
+    _show(result.tables, wide)
     for name in result.imprecise:
         width = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
         console.print(f"{name}: the 95 % interval of d50 is wider than {width}")
     if result.tables.summary:
-        _plot(folder)
+        _plot(folder, formats)
     if result.failures:
         for name, reason in result.failures.items():
             errors.print(f"{name}: {reason}", style="red", markup=False, soft_wrap=True)
@@ -179,6 +191,8 @@ def find(
     to: Annotated[Path | None, typer.Option(help="Folder of the results.")] = None,
     set_: SetOption = None,
     np: ProcessorsOption = 1,
+    wide: WideOption = False,
+    formats: FormatOption = None,
 ) -> None:
     """Find the gas velocity, or another setting, that has a cut size, in few runs."""
     from elutria.case.case import Case
@@ -191,10 +205,10 @@ def find(
         lines, tables = answer(
             source, folder, (d50, material, vary, most_runs), set_ or [], np, display
         )
-    _show(tables)
+    _show(tables, wide)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-    _plot(folder)
+    _plot(folder, formats)
 
 
 @app.command(epilog="Example: elutria classify results/column/U5 --json")
@@ -202,19 +216,55 @@ def classify(
     case: CaseArgument,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
     to: Annotated[Path | None, typer.Option(help="Folder of the tables; default: CASE.")] = None,
+    wide: WideOption = False,
 ) -> None:
     """Outlet fractions and partition curve of a finished run."""
-    summary = _classify_folder(case, to or case, quiet=as_json)
+    summary = _classify_folder(case, to or case, quiet=as_json, wide=wide)
     if as_json:
         print(json.dumps([{k: _json(v) for k, v in row.items()} for row in summary], indent=2))
 
 
-@app.command(epilog="Example: elutria plot results/column")
+@app.command(epilog="Example: elutria plot results/column --format pdf")
 def plot(
-    results: Annotated[Path, typer.Argument(help="Folder with summary.csv and partition.csv.")],
+    results: ResultsArgument,
+    formats: FormatOption = None,
 ) -> None:
     """Draw the figures again from the csv files."""
-    _plot(results)
+    _plot(results, formats)
+
+
+@app.command(epilog="Example: elutria report results/column --to column.html --pdf")
+def report(
+    results: ResultsArgument,
+    to: Annotated[Path | None, typer.Option(help="Default: RESULTS/report.html.")] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="Print it with Chromium, if there is one.")] = (
+        False
+    ),
+) -> None:
+    """One page to hand on: what was asked, the answer, how it came about. Needs no network."""
+    from elutria.pages.browser import find_browser, print_pdf
+    from elutria.pages.report import write_report
+
+    page = write_report(results, to or results / "report.html")
+    console.print(str(page), highlight=False, soft_wrap=True)
+    if pdf:
+        program = find_browser()
+        if program is None:
+            errors.print("no PDF: no Chromium or Chrome on PATH; open the page and print it")
+        else:
+            printed = print_pdf(program, page, page.with_suffix(".pdf"))
+            console.print(str(printed), highlight=False, soft_wrap=True)
+
+
+@app.command(epilog="Example: elutria atlas results/column --to atlas.html")
+def atlas(
+    results: ResultsArgument,
+    to: Annotated[Path | None, typer.Option(help="Default: RESULTS/atlas.html.")] = None,
+) -> None:
+    """One page with sliders that answers between the runs of a sweep, and for other feeds."""
+    from elutria.pages.atlas import write_atlas
+
+    console.print(str(write_atlas(results, to or results / "atlas.html")), soft_wrap=True)
 
 
 @app.command(epilog="Example: elutria vtk results/column/U5")
@@ -242,7 +292,7 @@ def _refuse_overlap(case: Path, folder: Path) -> None:
         raise InputError(f"--to {folder}: lies within the case {case} or holds it; choose another")
 
 
-def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
+def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = False) -> list[Row]:
     from elutria.case.case import Case
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
@@ -257,25 +307,28 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
     tables.write(to)
     write_theory(case, [velocity], to)
     if not quiet:
-        _show(tables)
+        _show(tables, wide)
     return tables.summary
 
 
-def _show(tables: Classification) -> None:
-    from elutria.output.report import absent_notes, inside_notes, print_table, summary_table
+def _show(tables: Classification, wide: bool) -> None:
+    from elutria.output.settings import Settings
+    from elutria.output.terminal import absent_notes, inside_notes, print_table, summary_table
 
     if tables.summary:
-        table = summary_table(tables.summary)
-        keys = [column.header for column in table.columns].index("d25")
+        settings = Settings(tables.summary, tables.partition)
+        table, keys = summary_table(tables.summary, settings, wide)
         print_table(console, table, keys)
+        if not wide:
+            console.print("every column: summary.csv, or --wide", style="dim")
     for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def _plot(folder: Path) -> None:
+def _plot(folder: Path, formats: list[str] | None = None) -> None:
     from elutria.output.plots import write_figures
 
-    for path in write_figures(folder):
+    for path in write_figures(folder, formats or ["png"]):
         console.print(str(path), highlight=False, soft_wrap=True)
 
 

@@ -76,8 +76,12 @@ def _cell(value: Any) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
+WORDS = ("material", "product", "model", "law")
+"""Columns that hold words."""
+
+
 def read_csv(
-    path: Path, columns: Sequence[str], words: Sequence[str] = ("material", "model", "law")
+    path: Path, columns: Sequence[str], words: Sequence[str] = WORDS
 ) -> list[dict[str, Any]]:
     """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one.
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from elutria.classification.events import Events
-from elutria.classification.partition import class_limits, partition_table, wilson
+from elutria.classification.partition import Cut, class_limits, partition_table, wilson
 from elutria.physics import laws
 
 
@@ -31,6 +31,26 @@ def test_classes_are_renards_and_hold_all_sizes() -> None:
     one = class_limits(500e-6, 500e-6)
     assert one[0] <= 500e-6 <= one[-1]
     assert one.size >= 2
+
+
+def test_classes_are_finer_where_the_curve_changes() -> None:
+    random = np.random.default_rng(4)
+    diameter = random.uniform(3e-4, 2e-3, 20_000)
+
+    def share(d: np.ndarray) -> np.ndarray:  # from 0.02 to 0.98 between 560 and 640 um
+        return 1 / (1 + (600e-6 / d) ** 60)
+
+    coarse = class_limits(3.1e-4, 1.99e-3)
+    limits = class_limits(3.1e-4, 1.99e-3, [Cut(share, diameter)])
+    assert set(coarse) < set(limits)  # R 20 stays; classes can be joined
+    ratio = limits[1:] / limits[:-1]
+    near = (limits[:-1] > 555e-6) & (limits[1:] < 650e-6)
+    assert near.sum() >= 4
+    assert np.all(ratio[near] < 1.04)  # R 80
+    assert np.all(ratio[limits[1:] < 500e-6] > 1.1)
+    assert np.all(np.histogram(diameter, limits)[0][near] >= 25)
+    few = class_limits(3.1e-4, 1.99e-3, [Cut(share, diameter[:300])])
+    assert few.tolist() == coarse.tolist()
 
 
 def test_no_mass_is_lost_between_classes() -> None:

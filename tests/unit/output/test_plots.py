@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -18,12 +18,14 @@ from elutria.classification.curves import MODELS
 from elutria.classification.events import Account, Events, Run
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
-from elutria.output.report import absent_notes, inside_notes
+from elutria.output.partition_figure import class_mean
+from elutria.output.style import looks
+from elutria.output.terminal import absent_notes, inside_notes
 
 MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
 
 
-def synthetic(velocity: float, materials: list[str], number: int = 2_000) -> Run:
+def synthetic(velocity: float, materials: list[str], number: int = 800) -> Run:
     random = np.random.default_rng(int(velocity * 10))
     name = random.choice(materials, number)
     diameter = random.lognormal(np.log(600e-6), 0.45, number)
@@ -43,10 +45,15 @@ def synthetic(velocity: float, materials: list[str], number: int = 2_000) -> Run
     return Run(events, {**dict.fromkeys(materials, account), "all": account})
 
 
+@cache
+def classified(velocity: float, materials: tuple[str, ...]) -> Classification:
+    return classify(synthetic(velocity, list(materials)), velocity, 1.0)
+
+
 def results(folder: Path, velocities: list[float], materials: list[str]) -> Path:
     made = Classification()
     for velocity in velocities:
-        made.extend(classify(synthetic(velocity, materials), velocity, 1.0))
+        made.extend(classified(velocity, tuple(materials)))
     made.write(folder)
     rows = [
         {"gas_velocity_m_s": u, "material": m, "law": "Clift", "cut_size_m": u * MATERIALS[m][1]}
@@ -66,6 +73,8 @@ def test_figures_come_from_the_tables(
     tmp_path: Path, velocities: list[float], materials: list[str]
 ) -> None:
     paths = plots.write_figures(results(tmp_path, velocities, materials))
+    for path in paths:  # what it shows stands beside it
+        assert len(path.with_suffix(".csv").read_text().splitlines()) > len(velocities)
     assert [path.name for path in paths] == [
         "partition_curves.png", "cut_size.png", "size_distributions.png",
     ]  # fmt: skip
@@ -102,9 +111,9 @@ def test_two_settings_give_families_and_contours(
     monkeypatch.setattr(plots, "save", keep)
     plots.write_figures(grid_results(tmp_path, [0.1, 0.3, 0.5]))
     said = {text.get_text() for text in figures["partition_curves.png"].findobj(Text)}
-    assert {"loading 0.1", "loading 0.3", "loading 0.5", "4 m/s", "6 m/s"} <= said
+    assert {f"{u} m/s, loading {p}" for u in (4, 6) for p in (0.1, 0.3, 0.5)} <= said
     legend = {text.get_text() for text in figures["cut_size.png"].legends[0].get_texts()}
-    assert legend == {"loading 0.1", "loading 0.3", "loading 0.5"}
+    assert {f"quartz, loading {p}" for p in (0.1, 0.3, 0.5)} <= legend
     panel = figures["contours.png"].axes[0]
     points = [line.get_xydata() for line in panel.lines if line.get_marker() == "o"]
     assert sorted(map(tuple, points[0])) == [(u, p) for u in (4, 6) for p in (0.1, 0.3, 0.5)]
@@ -117,18 +126,11 @@ def test_one_line_of_points_has_no_contours(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Figure]:
+def drawn(tmp_path: Path) -> dict[str, Figure]:
     """The figures of a sweep with two materials, by name."""
-    kept: dict[str, Figure] = {}
-    save: Callable[[Figure, Path], Path] = plots.save
-
-    def keep(figure: Figure, path: Path) -> Path:
-        kept[path.name] = figure
-        return save(figure, path)
-
-    monkeypatch.setattr(plots, "save", keep)
-    plots.write_figures(results(tmp_path, [4.0, 5.0, 6.0], list(MATERIALS)))
-    return kept
+    folder = results(tmp_path, [4.0, 5.0, 6.0], list(MATERIALS))
+    made = plots.figures(plots.read_results(folder))
+    return {f"{name}.png": figure for name, (figure, _, _) in made.items()}
 
 
 def test_all_letters_can_be_read(drawn: dict[str, Figure]) -> None:
@@ -140,20 +142,97 @@ def test_all_letters_can_be_read(drawn: dict[str, Figure]) -> None:
 def test_axes_have_units(drawn: dict[str, Figure]) -> None:
     for name in ("partition_curves.png", "size_distributions.png"):
         axes = drawn[name].axes
-        assert "µm" in axes[-1].get_xlabel()
-        assert all(a.get_xscale() == "log" and a.get_ylabel() for a in axes)
+        labels = [a.get_xlabel() for a in axes] + [t.get_text() for t in drawn[name].texts]
+        labels += [drawn[name].get_supxlabel()]
+        assert any("µm" in label for label in labels)
+        assert all(a.get_xscale() == "log" for a in axes)
     (axes,) = drawn["cut_size.png"].axes
     assert "m/s" in axes.get_xlabel()
     assert "µm" in axes.get_ylabel()
 
 
-def test_velocities_are_told_apart_without_colour() -> None:
-    colours = plots.velocity_colours([3.0, 4, 5, 6, 7, 8, 9, 10])
-    brightness = [np.dot(colour[:3], (0.299, 0.587, 0.114)) for colour in colours.values()]
-    assert np.all(np.diff(brightness) > 0.04)
-    assert mpl.colors.to_rgb(plots.MATERIAL_COLOURS[0]) != mpl.colors.to_rgb(
-        plots.MATERIAL_COLOURS[1]
-    )
+def test_series_are_told_apart_without_colour() -> None:
+    series = looks(12)
+    brightness = [np.dot(look.colour[:3], (0.299, 0.587, 0.114)) for look in series]
+    assert np.all(np.diff(brightness) > 0.02)
+    for one, other in pairwise(series):  # in print, neighbours differ in mark and line
+        assert one.marker != other.marker
+        assert one.line != other.line
+    assert len({(look.marker, str(look.line)) for look in series}) == 12
+
+
+def test_products_are_told_apart_without_colour(drawn: dict[str, Figure]) -> None:
+    for axes in drawn["size_distributions.png"].axes:
+        hatches = [filled.get_hatch() for filled in axes.collections if filled.get_hatch()]
+        assert len(hatches) == len(set(hatches)) == 2
+
+
+@pytest.mark.parametrize("number", [3, 9])
+def test_each_setting_has_its_panel(tmp_path: Path, number: int) -> None:
+    velocities = [4.0, 5.0, 6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0][:number]
+    read = plots.read_results(results(tmp_path, velocities, ["quartz"]))
+    figure, columns, rows = plots.figures(read)["size_distributions"]
+    shown = [axes for axes in figure.axes if axes.get_visible()]
+    assert [axes.texts[0].get_text() for axes in shown] == [f"{u:g} m/s" for u in velocities]
+    across = {round(axes.get_subplotspec().get_position(figure).x0, 3)  # type: ignore[union-attr]
+              for axes in shown}  # fmt: skip
+    assert len(across) == (1 if number <= 3 else 2 if number <= 8 else 3)
+    # products add up to what was fed, each class weighted with its width
+    for velocity in velocities:
+        own = [row for row in rows if row["gas_velocity_m_s"] == velocity]
+        width = [np.log10(row["diameter_high_m"] / row["diameter_low_m"]) for row in own]
+        fed = np.dot(width, [row["feed_per_decade"] for row in own])
+        left = np.dot(width, [row["fines_per_decade"] + row["coarse_per_decade"] for row in own])
+        assert fed == pytest.approx(1, rel=1e-6)
+        assert left == pytest.approx(1, rel=1e-6)
+    assert columns[0] == "gas_velocity_m_s"
+
+
+@pytest.mark.parametrize("form", ["svg", pytest.param("pdf", marks=pytest.mark.slow)])
+def test_figures_for_print_are_the_same_each_time(tmp_path: Path, form: str) -> None:
+    folder = results(tmp_path, [5.0], ["quartz"])
+    first = [path.read_bytes() for path in plots.write_figures(folder, [form])]
+    assert [content[:5] for content in first] == [b"<?xml" if form == "svg" else b"%PDF-"] * 3
+    assert [path.read_bytes() for path in plots.write_figures(folder, [form])] == first
+
+
+def test_points_lie_on_what_the_curve_is_over_their_class() -> None:
+    """A cut that is much sharper than a class: the point compares with the curve's mean there."""
+    row = {"diameter_low_m": 500e-6, "diameter_high_m": 560e-6}
+    size = np.geomspace(400e-6, 700e-6, 4001)
+    step = [{"diameter_m": d, "partition_to_coarse": float(d > 520e-6)} for d in size]
+    middle = float(np.sqrt(500e-6 * 560e-6))
+    even = class_mean({**row, "diameter_m": middle}, step)
+    assert even == pytest.approx(np.log(560 / 520) / np.log(560 / 500), abs=0.01)
+    # mass that lies towards the coarse end counts there
+    assert class_mean({**row, "diameter_m": middle * 1.01}, step) > even + 0.05
+
+
+def test_a_decade_of_cut_sizes_makes_the_axis_logarithmic(tmp_path: Path) -> None:
+    read = plots.read_results(results(tmp_path, [4.0, 5.0], ["quartz"]))
+    scales = []
+    for factor in (1.0, 30.0):
+        read.summary[-2]["d50_m"] *= factor
+        (axes,) = plots.figures(read)["cut_size"][0].axes
+        scales.append((axes.get_xscale(), axes.get_yscale()))
+    assert scales == [("linear", "linear"), ("linear", "log")]
+
+
+def test_what_a_sweep_varied_beside_the_velocity_parts_the_series(tmp_path: Path) -> None:
+    """Columns that the tables do not know are settings, wherever both tables have them."""
+    folder = results(tmp_path, [4.0, 6.0], ["quartz"])
+    for name in ("summary", "partition", "curve"):
+        head, *rows = (folder / f"{name}.csv").read_text().splitlines()
+        rows = [f"{row},{loading}" for loading in (0.1, 0.5) for row in rows]
+        (folder / f"{name}.csv").write_text("\n".join([f"{head},loading", *rows]) + "\n")
+    read = plots.read_results(folder)
+    labels = [read.settings.label(setting) for setting in read.settings.all]
+    assert labels == [f"{u} m/s, loading {x}" for u in (4, 6) for x in (0.1, 0.5)]
+    figure, columns, rows = plots.figures(read)["partition_curves"]
+    assert columns[:2] == ["gas_velocity_m_s", "loading"]
+    assert {row["loading"] for row in rows} == {0.1, 0.5}
+    curves = [line for line in figure.axes[0].lines if str(line.get_gid()).endswith("-curve")]
+    assert len(curves) == 4
 
 
 def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:

@@ -38,7 +38,8 @@ CLOSED = (
 
 # what a run leaves behind, not part of the case
 _LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
-                "*.png", "*.csv", "*.vtu", "*.pvd", "elutria.json", "finished.json", "VTK",
+                "*.png", "*.svg", "*.pdf", "*.csv", "*.vtu", "*.pvd", "elutria.json",
+                "finished.json", "report.html", "atlas.html", "VTK",
                 "progress.txt", "dynamicCode", "settledGas", ".git*")  # fmt: skip
 
 

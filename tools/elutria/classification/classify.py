@@ -1,4 +1,4 @@
-"""From events to the rows of summary.csv, partition.csv, fit.csv and curve.csv."""
+"""From events to the rows of summary.csv, partition.csv, products.csv, fit.csv and curve.csv."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from elutria import tables
 from elutria.classification.events import Events, Run
 from elutria.classification.fit import LEVELS, PartitionFit, fit_partition
-from elutria.classification.partition import SizeClass, class_limits, partition_table
+from elutria.classification.partition import Cut, SizeClass, class_limits, partition_table
+from elutria.classification.products import product_rows
 from elutria.files import write_csv
 
 Row = dict[str, Any]
@@ -21,18 +23,19 @@ Row = dict[str, Any]
 
 @dataclass
 class Classification:
-    """Rows of the four tables. `axes` are settings that rows have beside the gas velocity, as
+    """Rows of the five tables. `axes` are settings that rows have beside the gas velocity, as
     columns after the others."""
 
     summary: list[Row] = field(default_factory=list)
     partition: list[Row] = field(default_factory=list)
     fits: list[Row] = field(default_factory=list)
     curves: list[Row] = field(default_factory=list)
+    products: list[Row] = field(default_factory=list)
     axes: tuple[str, ...] = ()
 
     def with_settings(self, values: Mapping[str, float | str]) -> Classification:
         """The same rows, each with these settings."""
-        for rows in (self.summary, self.partition, self.fits, self.curves):
+        for rows in (self.summary, self.partition, self.fits, self.curves, self.products):
             for row in rows:
                 row.update(values)
         return self
@@ -43,12 +46,14 @@ class Classification:
         self.partition += other.partition
         self.fits += other.fits
         self.curves += other.curves
+        self.products += other.products
 
     def write(self, folder: Path) -> None:
-        """summary, partition, fit and curve.csv in `folder`, each written atomically."""
+        """summary, partition, products, fit and curve.csv in `folder`, each written atomically."""
         write_csv(folder / "partition.csv", (*tables.PARTITION, *self.axes), self.partition)
         write_csv(folder / "fit.csv", (*tables.FIT, *self.axes), self.fits)
         write_csv(folder / "curve.csv", (*tables.CURVE, *self.axes), self.curves)
+        write_csv(folder / "products.csv", (*tables.PRODUCTS, *self.axes), self.products)
         write_csv(folder / "summary.csv", (*tables.SUMMARY, *self.axes), self.summary)
 
 
@@ -59,10 +64,10 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
     fits = {name: fit_events(run.events.of_material(name)) for name in names}
     # one material: `all` is the same events
     fits["all"] = fits[names[0]] if len(names) == 1 else fit_events(run.events)
-    limits = None
-    if len(run.events):
-        diameters = run.events.diameter
-        limits = class_limits(float(diameters.min()), float(diameters.max()))
+    limits = _limits(run.events, fits)
+    result.products = [
+        {"gas_velocity_m_s": velocity, **row} for row in product_rows(run.events, names)
+    ]
     for name in [*names, "all"]:
         events = run.events.of_material(name)
         table = partition_table(events, limits) if limits is not None else []
@@ -72,6 +77,18 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
         result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
     return result
+
+
+def _limits(events: Events, fits: dict[str, PartitionFit]) -> NDArray[np.float64] | None:
+    """Limits of the size classes of all materials; they follow the materials' curves."""
+    if not len(events):
+        return None
+    cuts = [
+        Cut(fit.share, parcels.diameter[parcels.has_left])
+        for name, fit in fits.items()
+        if fit.curve is not None and len(parcels := events.of_material(name))
+    ]
+    return class_limits(float(events.diameter.min()), float(events.diameter.max()), cuts)
 
 
 def fit_events(events: Events) -> PartitionFit:

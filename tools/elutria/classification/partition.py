@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import nan, sqrt
 
@@ -13,9 +14,28 @@ from elutria.classification.events import Events
 
 Array = NDArray[np.float64]
 
-# Renard series of ISO 3, the nominal apertures of ISO 565 sieves: 20 per decade
-R20 = (1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55,
-       4.0, 4.5, 5.0, 5.6, 6.3, 7.1, 8.0, 9.0)  # fmt: skip
+# Renard series R 80 of ISO 3; every second of it is R 40, every fourth R 20, the nominal apertures
+# of ISO 565 sieves
+R80 = (1.0, 1.03, 1.06, 1.09, 1.12, 1.15, 1.18, 1.22, 1.25, 1.28, 1.32, 1.36, 1.4, 1.45, 1.5, 1.55,
+       1.6, 1.65, 1.7, 1.75, 1.8, 1.85, 1.9, 1.95, 2.0, 2.06, 2.12, 2.18, 2.24, 2.3, 2.36, 2.43,
+       2.5, 2.58, 2.65, 2.72, 2.8, 2.9, 3.0, 3.07, 3.15, 3.25, 3.35, 3.45, 3.55, 3.65, 3.75, 3.87,
+       4.0, 4.12, 4.25, 4.37, 4.5, 4.62, 4.75, 4.87, 5.0, 5.15, 5.3, 5.45, 5.6, 5.8, 6.0, 6.15,
+       6.3, 6.5, 6.7, 6.9, 7.1, 7.3, 7.5, 7.75, 8.0, 8.25, 8.5, 8.75, 9.0, 9.25, 9.5,
+       9.75)  # fmt: skip
+COARSEST = 4
+"""Steps of R 80 in a class of R 20."""
+STEEP = 0.15
+"""A class over which the curve changes by more is halved,"""
+FEWEST = 25
+"""where each half holds so many parcels."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A curve that classes are to follow: T (n) at diameters (n, m), and the parcels' diameters."""
+
+    share: Callable[[Array], Array]
+    diameter: Array
 
 
 @dataclass(frozen=True)
@@ -42,15 +62,36 @@ class SizeClass:
         return self.fines + self.coarse + self.inside
 
 
-def class_limits(smallest: float, largest: float) -> Array:
-    """Limits (m) that cover the sizes: the same grid for all velocities and materials."""
+def class_limits(smallest: float, largest: float, cuts: Sequence[Cut] = ()) -> Array:
+    """Limits (m) that cover the sizes: those of R 20; of R 40 or R 80 where one of `cuts` changes.
+
+    What is finer divides what is coarser, so that classes of two grids can be joined.
+    """
     decades = range(int(np.floor(np.log10(smallest))) - 1, int(np.ceil(np.log10(largest))) + 1)
-    rising = np.array([float(f"{x}e{k}") for k in decades for x in R20])
-    first = np.searchsorted(rising, smallest, side="right") - 1
-    last = np.searchsorted(rising, largest, side="left")
+    rising = np.array([float(f"{x}e{k}") for k in decades for x in R80])
+    coarse = rising[::COARSEST]
+    first = int(np.searchsorted(coarse, smallest, side="right")) - 1
+    last = int(np.searchsorted(coarse, largest, side="left"))
     if last == first:  # a single size that is a limit itself
         last += 1
-    return rising[first : last + 1]
+    ends = range(COARSEST * first, COARSEST * last, COARSEST)
+    kept = [k for end in ends for k in _divided(rising, end, end + COARSEST, cuts)]
+    return rising[[*kept, COARSEST * last]]
+
+
+def _divided(rising: Array, low: int, high: int, cuts: Sequence[Cut]) -> list[int]:
+    """Lower limits of the classes from `low` to `high`, as places in `rising`."""
+    middle = (low + high) // 2
+    if high - low > 1 and any(_asks_for(cut, rising[[low, middle, high]]) for cut in cuts):
+        return [*_divided(rising, low, middle, cuts), *_divided(rising, middle, high, cuts)]
+    return [low]
+
+
+def _asks_for(cut: Cut, limits: Array) -> bool:
+    """Whether a class is to be halved: `limits` are its ends and its middle."""
+    shares = cut.share(limits)
+    held = np.histogram(cut.diameter, limits)[0]
+    return bool(np.ptp(shares) > STEEP and held.min() >= FEWEST)
 
 
 def partition_table(events: Events, limits: Array) -> list[SizeClass]:

@@ -299,9 +299,7 @@ def _likeliest(trials: Trials, penalty: Array, start: Array) -> Array:
     return np.asarray(found.x)
 
 
-def farthest(
-    trials: Trials, mode: Mode, directions: Array, start: Array | None = None
-) -> Array:
+def farthest(trials: Trials, mode: Mode, directions: Array, start: Array | None = None) -> Array:
     """Coefficients (n, size) farthest along each of `directions` (n, size) among those whose lack
     is within LIMIT^2/2 of the mode's.
 

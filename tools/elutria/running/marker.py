@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,10 @@ class Marker:
     def write(self, folder: Path) -> None:
         """Into the folder of a run."""
         content = asdict(self)
-        write_json(folder / MARKER, {**content.pop("identity"), **content})
+        write_json(
+            folder / MARKER,
+            {**content.pop("identity"), **content, "elutria": version("elutria")},
+        )
 
     @classmethod
     def read(cls, folder: Path) -> Marker | None:

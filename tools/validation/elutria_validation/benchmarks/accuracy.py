@@ -25,7 +25,7 @@ import matplotlib as mpl
 
 from elutria.errors import ElutriaError
 from elutria.files import write_text
-from elutria.output.plots import STYLE
+from elutria.output.style import STYLE
 from elutria_validation.benchmarks import accuracy_reference as references
 from elutria_validation.benchmarks import accuracy_report as report
 from elutria_validation.benchmarks import uncertainty

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from elutria.output.plots import COLUMN_WIDTH
+from elutria.output.style import COLUMN_WIDTH
 from elutria_validation.benchmarks.accuracy_error import known_error
 
 KINDS = {

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from elutria.files import write_csv
-from elutria.output.plots import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
+from elutria.output.style import COLUMN_WIDTH, MATERIAL_COLOURS, STYLE
 from elutria_validation.harness.cases import CONTROL, MODELS, change, solve, times
 from elutria_validation.harness.goldschmidt import STEP, make_bed, read_history
 from elutria_validation.harness.job import Job, option

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from elutria.errors import InputError
-from elutria.output.plots import MATERIAL_COLOURS, STYLE, new_figure
+from elutria.output.style import MATERIAL_COLOURS, STYLE, new_figure
 from elutria_validation.benchmarks import coverage_draws as draws
 from elutria_validation.benchmarks.coverage_draws import EVENTS, PLACES, SHAPES, Row
 from elutria_validation.harness.job import Job, option

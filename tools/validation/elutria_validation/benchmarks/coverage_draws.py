@@ -77,12 +77,15 @@ class Curve:
 
         def slopes(y: Array) -> Array:
             steps = 1e-5 * np.eye(self.parameters.size)
-            return np.array(
-                [
-                    self.formula(y, self.parameters + s) - self.formula(y, self.parameters - s)
-                    for s in steps
-                ]
-            ) / 2e-5
+            return (
+                np.array(
+                    [
+                        self.formula(y, self.parameters + s) - self.formula(y, self.parameters - s)
+                        for s in steps
+                    ]
+                )
+                / 2e-5
+            )
 
         share, here = self.share(events), slopes(events)
         information = (effective * here / np.maximum(share * (1 - share), 1e-9)) @ here.T
@@ -170,9 +173,7 @@ def draw(shape: str, events: int, seed: int) -> Draw:
     if kind == 1:  # a function of size: half of the parcels near the cut
         return Draw(curve, y, coarse, np.where(np.abs(y) < 0.3, 0.3, 1.0) * np.exp(-3 * y), 1.0)
     spread = 0.5
-    return Draw(
-        curve, y, coarse, np.exp(random.normal(0, spread, events)), exp(-(spread**2))
-    )
+    return Draw(curve, y, coarse, np.exp(random.normal(0, spread, events)), exp(-(spread**2)))
 
 
 def measure(shape: str, events: int, seed: int) -> Row:

@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 from scipy.special import beta
 
 from elutria.errors import ElutriaError
-from elutria.output.plots import COLUMN_WIDTH, STYLE
+from elutria.output.style import COLUMN_WIDTH, STYLE
 from elutria_validation.book.page import templates
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.programs import built, run_program

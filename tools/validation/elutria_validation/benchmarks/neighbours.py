@@ -18,7 +18,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from elutria.output.plots import COLUMN_WIDTH, STYLE
+from elutria.output.style import COLUMN_WIDTH, STYLE
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.programs import built, run_program
 from elutria_validation.harness.provenance import write_result

@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 
 from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
-from elutria.output.plots import COLUMN_WIDTH, STYLE
+from elutria.output.style import COLUMN_WIDTH, STYLE
 from elutria_validation.benchmarks.stability_points import MAPS, Map
 from elutria_validation.book.page import templates
 from elutria_validation.harness.job import Job, option

@@ -20,7 +20,7 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from elutria.errors import ElutriaError
-from elutria.output.plots import COLUMN_WIDTH
+from elutria.output.style import COLUMN_WIDTH
 from elutria_validation.benchmarks.accuracy_error import Cut, cut_of_events, mean_noise
 from elutria_validation.benchmarks.accuracy_runs import (
     POINTS,

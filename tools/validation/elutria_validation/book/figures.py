@@ -6,8 +6,8 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from elutria.output.plots import MATERIAL_COLOURS as COLOURS
-from elutria.output.plots import new_figure
+from elutria.output.style import MATERIAL_COLOURS as COLOURS
+from elutria.output.style import new_figure
 
 __all__ = ["BLUE", "COLOURS", "GREEN", "RED", "label", "new_figure"]
 

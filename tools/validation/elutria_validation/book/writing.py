@@ -11,7 +11,7 @@ from typing import Any
 from matplotlib import rc_context
 
 from elutria.files import write_csv, write_json
-from elutria.output.plots import STYLE, save
+from elutria.output.style import STYLE, save
 from elutria_validation.book.page import bind
 from elutria_validation.book.rows import Chapter, MakeSection, Section
 from elutria_validation.harness.job import Job

@@ -16,7 +16,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from elutria.files import write_csv, write_json
-from elutria.output.plots import save
+from elutria.output.style import save
 from elutria_validation.harness.job import Job
 
 

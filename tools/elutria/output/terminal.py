@@ -1,8 +1,8 @@
-"""Tables for the terminal."""
+"""Tables and notes for the terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import log
 from typing import Any
 
@@ -12,6 +12,11 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 
 from elutria import tables
+from elutria.output.settings import Row, Settings, materials_of
+from elutria.tables import VELOCITY, short
+
+TableColumn = tuple[str, Callable[[Row], str]]
+"""A heading with its unit below, and the text of a row."""
 
 
 def print_table(console: Console, table: Table, keys: int = 1) -> None:
@@ -75,43 +80,89 @@ def _range(console: Console, column: Column) -> Measurement:
 
 
 def _least_width(console: Console, table: Table) -> int:
-    """Characters that the table takes when its texts are broken at spaces only."""
-    return Measurement.get(console, console.options.update_width(10_000), table).minimum
+    """Characters that the table takes when its texts are broken at spaces only, and those of a
+    column that is never wrapped not at all (of which rich's own minimum knows nothing)."""
+    ranges = [_range(console, column) for column in table.columns]
+    most = Measurement.get(console, console.options.update_width(10_000), table).maximum
+    between = most - sum(size.maximum for size in ranges)
+    return sum(size.minimum for size in ranges) + between
 
 
-def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
-    """The summary with sizes in um; `all` is left out where there is one material."""
-    rows = list(rows)
-    names = {row["material"] for row in rows} - {"all"}
+def summary_table(rows: Sequence[Row], settings: Settings, wide: bool = False) -> tuple[Table, int]:
+    """The summary, and how many of its columns say which row it is; `wide`: every column.
+
+    `all` is left out where there is one material. Units stand in the head.
+    """
+    names = materials_of(rows)
+    shown = [row for row in rows if len(names) > 1 or row["material"] != "all"]
+    keys = [name for name in settings.columns if name in (VELOCITY, *settings.varied)]
+    columns = [_setting_column(name) for name in keys]
+    if len(names) > 1:
+        columns.append(("material", lambda row: str(row["material"])))
+    number = len(columns)
+    columns += _all_columns() if wide else _main_columns(shown)
     table = Table(
-        title="Classification (sizes in um)", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
+        title="Classification", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
         collapse_padding=True,
     )  # fmt: skip
-    headings = ["m/s", "d25", "d50", "95 %", "d75", "d25/d75", "bypass", "fines", "fed", "lost"]
-    if len(names) > 1:
-        headings.insert(1, "material")
-    axes = tables.axes(rows)
-    headings[1:1] = map(tables.short, axes)
-    for heading in headings:
+    for heading, _ in columns:
         words = heading == "material"
         table.add_column(heading, justify="left" if words else "right", no_wrap=True)
-    for row in rows:
-        if len(names) == 1 and row["material"] == "all":
-            continue
-        table.add_row(
-            *map(tables.shown, tables.setting(row)),
-            *([str(row["material"])] if len(names) > 1 else []),
-            _micrometres(row["d25_m"]),
-            _micrometres(row["d50_m"]),
-            f"{_micrometres(row['d50_low_m'])}..{_micrometres(row['d50_high_m'])}",
-            _micrometres(row["d75_m"]),
-            _fixed(row["sharpness"], 3),
-            _fixed(row["bypass"], 3),
-            _fixed(row["fines_yield"], 3),
-            f"{row['particles_fed']:.12g}",
-            f"{row['particles_lost']:.12g}",
-        )
-    return table
+    for row in shown:
+        table.add_row(*(cell(row) for _, cell in columns))
+    return table, number
+
+
+def _setting_column(name: str) -> TableColumn:
+    def cell(row: Row) -> str:
+        value = row[name]
+        return f"{value:g}" if isinstance(value, float) else str(value)
+
+    return ("U\nm/s" if name == VELOCITY else short(name), cell)
+
+
+def _main_columns(rows: Sequence[Row]) -> list[TableColumn]:
+    """What fits into 80 characters; losses only where there are any."""
+    columns: list[TableColumn] = [
+        ("d25\num", lambda row: micrometres(row["d25_m"])),
+        ("d50\num", lambda row: micrometres(row["d50_m"])),
+        ("95 % of d50\num", _interval),
+        ("d75\num", lambda row: micrometres(row["d75_m"])),
+        ("d25/d75\n-", lambda row: _fixed(row["sharpness"], 3)),
+        ("fines\nshare", lambda row: _fixed(row["fines_yield"], 3)),
+        ("fed\nnumber", lambda row: count(row["particles_fed"])),
+    ]
+    if any(row["particles_lost"] != 0 for row in rows):
+        columns.append(("lost\nnumber", lambda row: f"{row['particles_lost']:.12g}"))
+    return columns
+
+
+def _all_columns() -> list[TableColumn]:
+    """Every column of summary.csv, lengths in um."""
+
+    def cell(name: str) -> Callable[[Row], str]:
+        if name.endswith("_m"):
+            return lambda row: micrometres(row[name])
+        if name in ("particles_fed", "particles_lost"):
+            return lambda row: count(row[name])
+        return lambda row: "-" if row[name] != row[name] else f"{row[name]:.4g}"
+
+    units = {"_m": "um", "_s": "s"}
+    found: list[TableColumn] = []
+    for name in tables.SUMMARY[2:]:
+        ending = name[name.rfind("_") :]
+        unit = units.get(ending, "-")
+        found.append((f"{name.removesuffix(ending) if unit != '-' else name}\n{unit}", cell(name)))
+    return found
+
+
+def _interval(row: Row) -> str:
+    return f"{micrometres(row['d50_low_m'])}..{micrometres(row['d50_high_m'])}"
+
+
+def count(number: float) -> str:
+    """A number of particles: a whole number, though statistical weights are not."""
+    return f"{number:.0f}"
 
 
 def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[str]:
@@ -159,13 +210,14 @@ def absent_notes(
                            for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
             notes.append(
                 f"{tables.title(row)}, {row['material']}: no {', '.join(absent)} "
-                f"within the sizes that left: {100 * share[0]:.3g} % of {_micrometres(size[0])} um "
-                f"and {100 * share[1]:.3g} % of {_micrometres(size[1])} um go to coarse"
+                f"within the sizes that left: {100 * share[0]:.3g} % of {micrometres(size[0])} um "
+                f"and {100 * share[1]:.3g} % of {micrometres(size[1])} um go to coarse"
             )
     return notes
 
 
-def _micrometres(value: float) -> str:
+def micrometres(value: float) -> str:
+    """A size in um with four digits; `-` where it is not known."""
     return "-" if value != value else f"{value * 1e6:.4g}"
 
 

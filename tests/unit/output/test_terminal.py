@@ -1,0 +1,98 @@
+"""Tables on a terminal: no digit and no column is lost, whatever the width."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+from rich.table import Table
+
+from elutria.output.settings import Settings
+from elutria.output.terminal import print_table, summary_table
+from elutria.tables import SUMMARY
+
+
+def row(velocity: float, material: str) -> dict[str, object]:
+    numbers = {
+        "gas_velocity_m_s": velocity, "material": material, "d25_m": 1234.5e-6, "d50_m": 1357.9e-6,
+        "d50_low_m": 1356.1e-6, "d50_high_m": 1359.6e-6, "d75_m": 1468.2e-6, "sharpness": 0.841,
+        "bypass": 0.0123, "fines_yield": 0.4567, "particles_fed": 12345678.25, "particles_lost": 0,
+    }  # fmt: skip
+    return {**dict.fromkeys(SUMMARY, 0.0), **numbers}
+
+
+WORDS = [
+    "12.3456", "magnetite-of-the-second-feed", "1234", "1358", "1356..1360", "1468", "0.841",
+    "0.457", "12345678", "d25", "d50", "95 % of d50", "d75", "d25/d75", "fines", "fed", "m/s", "um",
+    "number",
+]  # fmt: skip
+
+
+def printed(rows: list[dict[str, object]], width: int, wide: bool = False) -> str:
+    output = io.StringIO()
+    table, keys = summary_table(rows, Settings(rows, rows), wide)
+    print_table(Console(file=output, width=width), table, keys)
+    return output.getvalue()
+
+
+@pytest.mark.parametrize("width", [200, 80, 60, 20])
+@pytest.mark.parametrize("materials", [["quartz"], ["quartz", "magnetite-of-the-second-feed"]])
+def test_no_digit_and_no_column_is_lost(width: int, materials: list[str]) -> None:
+    text = printed([row(12.3456, name) for name in [*materials, "all"]], width)
+    for word in WORDS:
+        if len(materials) > 1 or not word.startswith("magnetite"):
+            assert word in text, word
+    assert "…" not in text
+    assert "12345678.25" not in text  # a count is a whole number
+    if width >= 60:
+        assert max(len(line) for line in text.splitlines()) <= width
+    if width == 200 or (width == 80 and len(materials) == 1):
+        assert text.count("95 % of d50") == 1  # in one part
+
+
+def test_several_materials_fit_into_80_characters() -> None:
+    text = printed([row(4.5, name) for name in ("quartz", "magnetite", "coal", "all")], 80)
+    assert text.count("magnetite") == 1
+
+
+def test_losses_are_a_column_where_there_are_any() -> None:
+    rows = [row(5, "quartz"), row(5, "all")]
+    assert "lost" not in printed(rows, 80)
+    rows[0]["particles_lost"] = 0.25
+    text = printed(rows, 80)
+    assert "lost" in text
+    assert "0.25" in text
+
+
+@pytest.mark.parametrize("width", [400, 80])
+def test_wide_has_every_column(width: int) -> None:
+    rows = [row(5, "quartz"), row(5, "all")]
+    rows[0] |= {"bypass": 0.0123, "wall_time_s": 71.5, "mass_closure_error": 1.25e-16}
+    text = printed(rows, width, wide=True)
+    for name in SUMMARY[2:]:
+        assert name.removesuffix("_m").removesuffix("_s") in text, name
+    for value in ("0.0123", "71.5", "1.25e-16"):
+        assert value in text
+    assert max(len(line) for line in text.splitlines()) <= width
+
+
+def test_what_a_sweep_varied_stands_before_the_numbers() -> None:
+    rows = [row(5, name) | {"constant/feed:loading": x} for x in (0.1, 0.5)
+            for name in ("quartz", "all")]  # fmt: skip
+    lines = printed(rows, 80).splitlines()
+    assert "loading" in "".join(lines[:4])
+    assert [line.split()[:2] for line in lines if line.split()[:1] == ["5"]] == [
+        ["5", "0.1"], ["5", "0.5"],
+    ]  # fmt: skip
+
+
+def test_long_texts_are_broken_at_spaces_only() -> None:
+    output = io.StringIO()
+    table = Table("what", "value", "from")
+    table.add_row("gas", "1.2 kg/m3 and 1.8e-05 Pa s " * 5, "constant/transportPropertiesOfTheGas")
+    print_table(Console(file=output, width=80), table)
+    lines = output.getvalue().splitlines()
+    assert max(len(line) for line in lines) <= 80
+    assert "constant/transportPropertiesOfTheGas" in output.getvalue()
+    assert sum(line.count("1.8e-05") for line in lines) == 5

@@ -1,0 +1,1 @@
+"""Results as one file to hand on: the report, and the atlas that answers between the runs."""
