@@ -10,11 +10,20 @@ import signal
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from elutria_validation.harness.box import BoxCase, Contacts
-from elutria_validation.harness.cases import CONTROL, add_feed, change, material
+from elutria_validation.harness.cases import (
+    CLOUD,
+    CONTACTS,
+    CONTROL,
+    MODELS,
+    add_feed,
+    change,
+    material,
+)
 from elutria_validation.harness.programs import run_program
 from tests.support import malformed
 
@@ -143,6 +152,89 @@ def test_a_memory_fault_while_reading_does_not_blame_the_mesh(scene: Path, tmp_p
     assert run.returncode == 2
     assert "memory fault while the case was read" in said
     assert "a defect of elutriaFoam" in said
+
+
+SIZES = f"{malformed.FEED}:materials/solid/sizeDistribution"
+FORCES = f"{MODELS}/particleForces"
+MISSPELT = [
+    (f"{malformed.FEED}:drainTme", 1, "drainTme"),
+    (f"{malformed.FEED}:materials/solid/sphericty", 0.9, "sphericty"),
+    (f"{SIZES}/wieghting", "number", "wieghting"),
+    (f"{SIZES}/d50", 1e-3, "d50"),  # not of RosinRammler
+    ("system/scenePlan:gass", "on", "gass"),
+    (f"{CLOUD}:ownWake", {"undisturbd": False}, "undisturbd"),
+    (f"{CLOUD}:selfInducedVelocity", {"corect": False}, "corect"),
+    (f"{CLOUD}:spreading", {"widht": 0}, "widht"),
+    (f"{CLOUD}:spredding", {"width": 0}, "spredding"),
+    (f"{CONTACTS}/treatmnt", "soft", "treatmnt"),
+    (f"{CONTACTS}/particle/poisonsRatio", 0.3, "poisonsRatio"),
+    (f"{CONTACTS}/particleWall/rollingfriction", 0.1, "rollingfriction"),
+    (f"{CONTACTS}/pairs", {"solid-wst": {"restitution": 0.8, "friction": 0}}, "solid-wst"),
+    (FORCES, {"GidaspowDrag": {"alphaC": "alpha.air"}}, "alphaC"),
+    (FORCES, {"SchillerNaumannDrag": {"sphericty": 0.9}}, "sphericty"),
+    (f"{MODELS}/continuousDispersionRASCoefs", {"beta": 0}, "continuousDispersionRASCoefs"),
+]
+
+
+@pytest.mark.parametrize(("entry", "value", "wrong"), MISSPELT, ids=[row[2] for row in MISSPELT])
+def test_a_misspelt_entry_of_ours_is_named(
+    scene: Path, tmp_path: Path, entry: str, value: Any, wrong: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {entry: value})
+    code, said = start(case)
+    assert code == 2, said
+    assert f"{wrong} is not an entry of" in said
+    assert ", allowed: " in said
+    assert Path(entry.partition(":")[0]).name in said
+
+
+@pytest.mark.parametrize("coefficients", [{}, {"alphac": "alpha.gas"}])
+def test_a_law_of_suspensions_needs_the_void_fraction(
+    scene: Path, tmp_path: Path, coefficients: dict[str, str]
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{MODELS}/particleForces": {"GidaspowDrag": coefficients, "gravity": {}}})
+    code, said = start(case)
+    assert code == 2
+    assert "alphac" in said
+    assert "alpha.air" in said
+    change(case, {f"{MODELS}/particleForces": {"GidaspowDrag": {"alphac": "alpha.air"}}})
+    assert start(case)[0] == 0
+
+
+def test_entries_of_others_are_left_alone(scene: Path, tmp_path: Path) -> None:
+    """What OpenFOAM's models read, and variables in a file that is included."""
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{CLOUD}:constantProperties/parcelTypeId": 3, f"{CLOUD}:myOwn": 1})
+    (case / "constant/mine").write_text("drainTme 3;\nrhoOfMine 2650;\n")
+    for file in ("constant/feed", "system/scenePlan"):
+        text = (case / file).read_text()
+        (case / file).write_text(text + '\n#include "../constant/mine"\n')
+    code, said = start(case)
+    assert code == 0, said
+
+
+def test_an_outlet_that_is_a_wall_and_an_open_patch_without_a_product(
+    scene: Path, tmp_path: Path
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"], "coarse": ["bottom", "west"]}})
+    code, said = start(case)
+    assert code == 2
+    assert "coarse: the patch west has the type wall, through which nothing leaves" in said
+    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"], "coarse": []}})
+    code, said = start(case)
+    assert code == 2
+    assert "constant/feed" in said
+    assert "the open patch bottom belongs to no product" in said
+    assert "allowed: its name in fines, coarse, in a product other (bottom)" in said
+    change(case, {f"{malformed.FEED}:outlets/other": ["bottom"]})
+    assert start(case)[0] == 0
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import traceback
+from collections.abc import Mapping
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
@@ -20,6 +21,7 @@ from elutria.files import NOT_THE_PLACE
 if TYPE_CHECKING:
     from elutria.classification.classify import Classification, Row
     from elutria.running.solver import Step
+    from elutria.warned import Warned
 
 app = typer.Typer(
     name="elutria",
@@ -75,8 +77,9 @@ def run(
 ) -> None:
     """Copy, mesh, solve and classify a case."""
     from elutria.case.case import Case
+    from elutria.running.gas import require_acting_velocity
     from elutria.running.progress import ProgressDisplay
-    from elutria.running.run import run_case
+    from elutria.running.run import is_finished, run_case
     from elutria.running.sweep import parse_velocities
     from elutria.running.worker import note
 
@@ -88,6 +91,8 @@ def run(
     source.check_settings(settings)
     folder = (to or Path("results") / source.name / f"U{speed:.12g}").resolve()
     _refuse_overlap(source.path, folder)
+    if not is_finished(folder, source.fingerprint(settings, np)):
+        require_acting_velocity(source, [(speed, settings)])
     with ProgressDisplay(console) as display:
 
         def on_step(share: float, step: Step) -> None:
@@ -133,6 +138,7 @@ def sweep(
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     _show(result.tables)
+    _warn(result.warnings)
     for speed in result.imprecise:
         asked_for = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
         console.print(f"{speed:g} m/s: the 95 % interval of d50 is wider than {asked_for}")
@@ -189,27 +195,47 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False) -> list[Row]:
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
     from elutria.estimates.theory import write_theory
+    from elutria.running.gas import label_warnings, write_gas
     from elutria.running.run import FINISHED, wall_time
+    from elutria.warned import TOOL, read_warnings, set_tool_warnings
 
     case = Case(folder)
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
     velocity = case.velocity()
-    tables = classify_run(read_run(folder), velocity, seconds)
+    solvers = [warning for warning in read_warnings(folder) if warning.by != TOOL]
+    run = read_run(folder)
+    labels = label_warnings(folder, velocity)
+    tables = classify_run(run, velocity, seconds, len(solvers) + len(labels))
     tables.write(to)
+    set_tool_warnings(folder, [*labels, *tables.notes])
     write_theory(case, [velocity], to)
+    write_gas(to, [(velocity, folder)])
     if not quiet:
         _show(tables)
+        _warn({f"{velocity:g} m/s": read_warnings(folder)})
+    lost, mass = run.accounts["all"].lost
+    if lost:
+        raise ElutriaError(
+            f"{folder}: {lost:.12g} particles, {mass:.3g} kg, are in no product and not inside; "
+            "allowed: none lost (see the end of log.elutriaFoam)"
+        )
     return tables.summary
 
 
+def _warn(runs: Mapping[str, list[Warned]]) -> None:
+    """The warnings of runs, by kind; nothing where there are none."""
+    from elutria.warned import grouped
+
+    for line in grouped(runs):
+        console.print(f"Warning: {line}", highlight=False, markup=False, soft_wrap=True)
+
+
 def _show(tables: Classification) -> None:
-    from elutria.output.report import absent_notes, inside_notes, print_table, summary_table
+    from elutria.output.report import print_table, summary_table
 
     if tables.summary:
         table = summary_table(tables.summary)
         print_table(console, table, keys=2 if table.columns[1].header == "material" else 1)
-    for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 def _plot(folder: Path) -> None:

@@ -17,10 +17,13 @@ Description
 
 #include "cloud/ElutriaCloud.H"
 #include "gas/GasPhase.H"
+#include "gas/GasTable.H"
 #include "schedule/ScenePlan.H"
 #include "run/AtomicTime.H"
 #include "run/exitHandling.H"
+#include "run/nothingLost.H"
 #include "foam/foamVersion.H"
+#include "foam/Warnings.H"
 #include "foam/requirePositive.H"
 #include "profiling.H"
 #include "sigFpe.H"
@@ -71,6 +74,7 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
     {
         cloud.writeState();
         plan.write();
+        Warnings::write();
         if (last)
         {
             runTime.writeAndEnd();
@@ -90,6 +94,7 @@ void writeLastSound(Time& runTime, ElutriaCloud& cloud)
     AtomicTime(runTime).write([&]()
     {
         cloud.writeState();
+        Warnings::write();
         runTime.writeNow();
     });
     Info<< "elutria: last sound state written, time " << runTime.timeName()
@@ -128,10 +133,15 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
-        Info<< "    Warning: the solid fraction exceeds alphaMax " << largest
-            << " in some cells: the gas does not see " << cloud.excessVolume()
-            << " m3 of solids; lower the feed's loading, or raise alphaMax of"
-            << " constantProperties" << endl;
+        OStringStream excess;
+        excess << cloud.excessVolume();
+        Warnings::add
+        ({
+            "alphaMax", "the solid fraction exceeds alphaMax in some cells",
+            "the gas does not see " + excess.str() + " m3 of solids",
+            "lower the feed's loading, or raise alphaMax of constantProperties",
+            cloud.excessVolume()
+        });
     }
 }
 
@@ -228,13 +238,22 @@ void run(const argList& args)
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
 
+    if (!args.found("plan"))
+    {
+        Warnings::start(runTime);
+    }
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
     const bool settles =
         plan.convergeGas() && cloud.feed() && cloud.nParcels() == 0;
 
+    const bool known = gas.inflowIsFixed();
     if (args.found("plan"))
     {
+        if (cloud.feed() && !(settles && !known && gas.isDriven()))
+        {
+            cloud.feed()->requireRate();
+        }
         if (settles)
         {
             plan.setBasis(ScenePlan::gasBasis::inlet);
@@ -258,6 +277,19 @@ void run(const argList& args)
         plan.setBasis(ScenePlan::gasBasis::settled);
         plan.account(ScenePlan::partGas);
     }
+    if (const Feed* feed = cloud.feed())
+    {
+        if (!known && !feed->gasFlowTold() && cloud.nParcels() == 0)
+        {
+            mesh.lookupObjectRef<Feed>("feed").tellGasFlow
+            (
+                gas.massInflow(), gas.name()
+            );
+        }
+        feed->requireRate();
+    }
+    const GasTable table(gas, runTime);
+    table.write();
 
     plan.announce(cloud, runTime);
     plan.account(ScenePlan::partOutput);
@@ -306,12 +338,17 @@ void run(const argList& args)
         if (atomic)
         {
             write(runTime, cloud, plan, *atomic, drained);
+            table.write();
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);
     }
 
     plan.report(cloud);
+    if (cloud.feed())
+    {
+        requireNothingLost(mesh, cloud);
+    }
     Info<< "elutria: finished" << endl;
 }
 

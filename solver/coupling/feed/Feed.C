@@ -7,6 +7,7 @@
 
 #include "feed/Feed.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
 #include "foam/requirePositive.H"
 #include "laws/FeedRules.hpp"
 #include "volFields.H"
@@ -60,6 +61,7 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     focus(0),
     sizes(dict.subDict("sizeDistribution"))
 {
+    requireOwnEntries(dict, ownDictionary::material);
     if (!(sphericity > 0 && sphericity <= 1))
     {
         FatalIOErrorInFunction(dict)
@@ -138,7 +140,7 @@ void Feed::readOutlets()
 }
 
 
-scalar Feed::gasMassFlow(const word& phaseName) const
+scalar Feed::boundaryGasFlow(const word& phaseName) const
 {
     const auto& U = mesh_.lookupObject<volVectorField>
     (
@@ -168,7 +170,36 @@ scalar Feed::gasMassFlow(const word& phaseName) const
 }
 
 
-void Feed::readSchedule(const word& phaseName)
+IOobject Feed::gasFlowHeader(const IOobject::readOption read) const
+{
+    return IOobject
+    (
+        "feedGas", mesh_.time().timeName(), "uniform", mesh_, read,
+        IOobject::NO_WRITE, false
+    );
+}
+
+
+void Feed::readGasFlow(const word& phaseName)
+{
+    const IOdictionary state(gasFlowHeader(IOobject::READ_IF_PRESENT));
+    gasFlowTold_ = state.found("massFlow");
+    gasFlow_ =
+        gasFlowTold_
+      ? state.get<scalar>("massFlow") : boundaryGasFlow(phaseName);
+}
+
+
+void Feed::readAmounts(const word& phaseName)
+{
+    materials_.clear();
+    readMaterials();
+    readSchedule();
+    readFocus(phaseName);
+}
+
+
+void Feed::readSchedule()
 {
     if (found("loading") == found("massFlowRate"))
     {
@@ -180,15 +211,7 @@ void Feed::readSchedule(const word& phaseName)
     massFlow_ =
         found("massFlowRate")
       ? readPositive(*this, "massFlowRate")
-      : readPositive(*this, "loading")*gasMassFlow(phaseName);
-
-    if (!(massFlow_ > 0))
-    {
-        FatalIOErrorInFunction(*this)
-            << "loading gives a feed of " << massFlow_ << " kg/s: no gas flows"
-            << " in; allowed: an inflow, or massFlowRate"
-            << exit(FatalIOError);
-    }
+      : readPositive(*this, "loading")*gasFlow_;
 
     start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
     if (!found("duration") && !found("particles"))
@@ -203,10 +226,10 @@ void Feed::readSchedule(const word& phaseName)
     asked_ = maxParticles_;
 
     sampling_ = readSampling();
-    rate_ = massFlow_/meanMass();
+    rate_ = max(massFlow_/meanMass(), SMALL);
     if (weighted() && found("duration") && found("particles"))
     {
-        addParcels(phaseName);
+        addParcels();
         rate_ = maxParticles_/duration_;
     }
 
@@ -214,14 +237,14 @@ void Feed::readSchedule(const word& phaseName)
 }
 
 
-void Feed::addParcels(const word& phaseName)
+void Feed::addParcels()
 {
     if (!found("particlesPerParcel"))
     {
         return;
     }
     const scalar most = readPositive(*this, "particlesPerParcel");
-    if (!isDilute(phaseName))
+    if (!isDilute())
     {
         const scalar fed =
             elutria::laws::parcelsFed(asked_, rate_*duration_, most);
@@ -230,11 +253,9 @@ void Feed::addParcels(const word& phaseName)
 }
 
 
-bool Feed::isDilute(const word& phaseName) const
+bool Feed::isDilute() const
 {
-    return
-        massFlow_
-      < elutria::laws::largestDiluteLoading*gasMassFlow(phaseName);
+    return massFlow_ < elutria::laws::largestDiluteLoading*gasFlow_;
 }
 
 
@@ -368,14 +389,16 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     asked_(labelMax),
     seed_(0),
     sampling_(Sampling::particles),
+    gasFlow_(0),
+    gasFlowTold_(false),
     massFlow_(0),
     rate_(0)
 {
-    readMaterials();
+    requireOwnEntries(*this, ownDictionary::feed);
     readOutlets();
     velocity_ = getOrDefault<vector>("velocity", Zero);
-    readSchedule(phaseName);
-    readFocus(phaseName);
+    readGasFlow(phaseName);
+    readAmounts(phaseName);
 }
 
 
@@ -418,6 +441,41 @@ const Feed& Feed::require
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void Feed::tellGasFlow(const scalar massFlow, const word& phaseName)
+{
+    // In few enough digits that the file gives it back
+    OStringStream text;
+    text.precision(min(10, int(IOstream::defaultPrecision())));
+    text<< massFlow;
+    gasFlow_ = std::stod(text.str());
+    gasFlowTold_ = true;
+    readAmounts(phaseName);
+}
+
+
+void Feed::requireRate() const
+{
+    if (!(massFlow_ > 0))
+    {
+        FatalIOErrorInFunction(*this)
+            << "loading gives a feed of " << massFlow_ << " kg/s: no gas flows"
+            << " in; allowed: an inflow, or massFlowRate"
+            << exit(FatalIOError);
+    }
+}
+
+
+void Feed::writeState() const
+{
+    if (gasFlowTold_)
+    {
+        IOdictionary state(gasFlowHeader(IOobject::NO_READ));
+        state.add("massFlow", gasFlow_);
+        state.regIOobject::write();
+    }
+}
+
 
 scalar Feed::end() const
 {

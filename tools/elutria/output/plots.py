@@ -46,7 +46,9 @@ MATERIAL_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B
 
 def write_figures(folder: Path) -> list[Path]:
     """All figures of RESULTS from its csv files. Raises InputError when they are not there."""
-    summary = read_csv(folder / "summary.csv", tables.SUMMARY)
+    # of results of before warnings were counted, too
+    columns = [name for name in tables.SUMMARY if name != "warnings"]
+    summary = read_csv(folder / "summary.csv", columns)
     partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
@@ -58,7 +60,19 @@ def write_figures(folder: Path) -> list[Path]:
             "cut_size.png": cut_size_figure(summary, lines),
             "size_distributions.png": size_figure(partition),
         }
+        for figure in figures.values():
+            _caption(figure, summary)
         return [save(figure, folder / name) for name, figure in figures.items()]
+
+
+def _caption(figure: Figure, summary: list[Row]) -> None:
+    """Below a figure: at which velocities runs have warnings."""
+    warned = {row["gas_velocity_m_s"] for row in summary if row.get("warnings", 0) > 0}
+    if warned:
+        speeds = ", ".join(f"{speed:g}" for speed in sorted(warned))
+        figure.supxlabel(
+            f"With warnings (warnings.json of the runs): {speeds} m/s", fontsize=6, color="0.35"
+        )
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import log
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -85,7 +84,8 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
         title="Classification (sizes in um)", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
         collapse_padding=True,
     )  # fmt: skip
-    headings = ["m/s", "d25", "d50", "95 %", "d75", "d25/d75", "bypass", "fines", "fed", "lost"]
+    headings = ["m/s", "d25", "d50", "95 %", "d75", "d25/d75", "bypass", "fines", "fed", "lost",
+                "warnings"]  # fmt: skip
     if len(names) > 1:
         headings.insert(1, "material")
     for heading in headings:
@@ -106,55 +106,9 @@ def summary_table(rows: Iterable[Mapping[str, Any]]) -> Table:
             _fixed(row["fines_yield"], 3),
             f"{row['particles_fed']:.12g}",
             f"{row['particles_lost']:.12g}",
+            f"{row['warnings']:g}",
         )
     return table
-
-
-def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[str]:
-    """A line for each velocity at which what had not left is more than `limit` of the feed's mass,
-    or leaves d50 open by more than that: were all of it coarse, or all of it fines."""
-    notes = []
-    rows = [row for row in partition if row["material"] == "all"]
-    for velocity in dict.fromkeys(row["gas_velocity_m_s"] for row in rows):
-        here = [row for row in rows if row["gas_velocity_m_s"] == velocity]
-        share = sum(row["inside_kg"] for row in here) / sum(row["feed_kg"] for row in here)
-        shift = 0.5 * sum(
-            row["inside_kg"] / row["feed_kg"] * log(row["diameter_high_m"] / row["diameter_low_m"])
-            for row in here
-            if row["inside_kg"] > 0
-        )
-        if max(share, shift) > limit:
-            worst = max(here, key=lambda row: row["inside_kg"])
-            notes.append(
-                f"{velocity:g} m/s: {100 * share:.2g} % of the feed's mass is still in the column, "
-                f"most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it out; d50 "
-                f"may shift by up to {100 * shift:.2g} %. Increase drainTime in constant/feed."
-            )
-    return notes
-
-
-def absent_notes(
-    summary: Iterable[Mapping[str, Any]], curves: Iterable[Mapping[str, Any]]
-) -> list[str]:
-    """A line for each curve that lacks d25, d50 or d75, with where it begins and ends."""
-    notes = []
-    summary, curves = list(summary), list(curves)
-    alone = len({row["material"] for row in summary} - {"all"}) == 1
-    for row in summary:
-        if alone and row["material"] == "all":
-            continue
-        absent = [name for name in ("d25", "d50", "d75") if row[f"{name}_m"] != row[f"{name}_m"]]
-        key = ("gas_velocity_m_s", "material")
-        curve = [point for point in curves if all(point[name] == row[name] for name in key)]
-        if absent and curve:
-            size, share = ([point[name] for point in (curve[0], curve[-1])]
-                           for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
-            notes.append(
-                f"{row['gas_velocity_m_s']:g} m/s, {row['material']}: no {', '.join(absent)} "
-                f"within the sizes that left: {100 * share[0]:.3g} % of {_micrometres(size[0])} um "
-                f"and {100 * share[1]:.3g} % of {_micrometres(size[1])} um go to coarse"
-            )
-    return notes
 
 
 def _micrometres(value: float) -> str:

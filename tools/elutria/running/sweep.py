@@ -26,8 +26,10 @@ from elutria.classification.precision import Precision
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json, writing_to
+from elutria.running.gas import label_warnings, require_acting_velocity, write_gas
 from elutria.running.run import is_finished, wall_time
 from elutria.running.worker import EVERY, Job, perform
+from elutria.warned import TOOL, Warned, read_warnings, set_tool_warnings
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class SweepResult:
     failures: dict[str, str] = field(default_factory=dict)
     skipped: int = 0
     imprecise: list[float] = field(default_factory=list)
+    warnings: dict[str, list[Warned]] = field(default_factory=dict)
 
 
 class Watcher(Protocol):
@@ -138,6 +141,9 @@ def run_sweep(
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     result = SweepResult()
+    finished = [is_finished(m.folder, case.fingerprint(m.settings, np)) for m in members]
+    if not all(finished):
+        require_acting_velocity(case, [(m.velocity, m.settings) for m in members])
     course = _Course(case, np, list(members), precision, result)
     _work_off(course, executor, watcher)
     members = course.members
@@ -147,10 +153,20 @@ def run_sweep(
             try:
                 run = join([read_run(member.folder) for member in group])
                 seconds = sum(wall_time(member.folder) for member in group)
-                result.tables.extend(classify(run, velocity, seconds))
+                solvers = {m.folder: _of_solver(m.folder) for m in group}
+                labels = label_warnings(group[0].folder, velocity)
+                number = sum(map(len, solvers.values())) + len(labels)
+                tables = classify(run, velocity, seconds, number)
+                for member in group:
+                    set_tool_warnings(member.folder, [*labels, *tables.notes])
+                result.warnings |= {m.name: solvers[m.folder] for m in group}
+                result.warnings[group[0].name] += [*labels, *tables.notes]
+                result.tables.extend(tables)
             except InputError as error:
                 result.failures[group[0].name] = str(error)
     result.tables.write(folder)
+    complete = [(m.velocity, m.folder) for m in members if m.name not in result.failures]
+    write_gas(folder, complete)
     write_theory(case, [member.velocity for member in members], folder)
     write_json(
         folder / "sweep.json",
@@ -162,6 +178,10 @@ def run_sweep(
         },
     )
     return result
+
+
+def _of_solver(run: Path) -> list[Warned]:
+    return [warning for warning in read_warnings(run) if warning.by != TOOL]
 
 
 def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
