@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -14,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from elutria.classification.events import read_run
 from elutria_validation.harness.box import BoxCase, Contacts
 from elutria_validation.harness.cases import (
     CLOUD,
@@ -23,6 +26,7 @@ from elutria_validation.harness.cases import (
     add_feed,
     change,
     material,
+    times,
 )
 from elutria_validation.harness.programs import run_program
 from tests.support import malformed
@@ -235,6 +239,82 @@ def test_an_outlet_that_is_a_wall_and_an_open_patch_without_a_product(
     assert "allowed: its name in fines, coarse, in a product other (bottom)" in said
     change(case, {f"{malformed.FEED}:outlets/other": ["bottom"]})
     assert start(case)[0] == 0
+
+
+def from_the_start(scene: Path, case: Path) -> Path:
+    """A copy of the scene before its step."""
+    shutil.copytree(scene, case)
+    for time in times(case):
+        if float(time) > 0:
+            shutil.rmtree(case / time)
+    return case
+
+
+def test_lost_parcels_are_an_error_that_names_the_patch(scene: Path, tmp_path: Path) -> None:
+    """Walls that let particles out: nothing tells it before."""
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {f"{MODELS}/collisionModel": "none",
+                  f"{MODELS}/standardWallInteractionCoeffs": {"type": "escape"},
+                  f"{MODELS}/patchInteractionModel": "standardWallInteraction",
+                  f"{malformed.FEED}:velocity": [30, 0, 0], f"{malformed.FEED}:particles": 20,
+                  f"{malformed.FEED}:massFlowRate": 1, f"{CONTROL}:endTime": 0.02,
+                  f"{CONTROL}:writeInterval": 0.02})  # fmt: skip
+    text = (case / malformed.FEED).read_text()
+    (case / malformed.FEED).write_text(re.sub(r"loading [^;]*;", "", text))
+    code, said = start(case)
+    ledger = json.loads((case / "postProcessing/ledger.json").read_text())["total"]
+    lost = ledger["lost"]
+    assert lost["parcels"] > 0
+    assert code == 1, said
+    told = re.search(r"failed: (\d+) parcels, (\S+) kg", said)
+    assert told
+    assert int(told[1]) == lost["parcels"]
+    assert float(told[2]) == pytest.approx(lost["mass_kg"], rel=1e-6)
+    assert f"{lost['parcels']} left through the patch " in said
+    # the tables agree with the ledger, and are an error of the tool too
+    assert read_run(case).accounts["all"].mass_closure_error == pytest.approx(
+        ledger["mass_closure_error"], rel=1e-9
+    )
+    assert ledger["mass_closure_error"] == pytest.approx(
+        lost["mass_kg"] / ledger["injected"]["mass_kg"], rel=1e-9
+    )
+
+
+def test_warnings_are_kept_over_a_restart(scene: Path, tmp_path: Path) -> None:
+    """Contacts far too soft: said before the run and in its steps, in both starts."""
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {f"{CONTACTS}/treatment": "soft", f"{CONTACTS}/particle/youngsModulus": 1e4,
+                  f"{CONTACTS}/wall/youngsModulus": 1e4, f"{CONTROL}:startFrom": "latestTime",
+                  f"{CONTROL}:writeInterval": 1e-3})  # fmt: skip
+    file = case / "warnings.json"
+    assert start(case)[0] == 0
+    (first,) = [w for w in json.loads(file.read_text()) if w["name"] == "stiffness"]
+    assert first["times"] == 1
+    assert first["first_time_s"] == 0
+    file.unlink()
+    change(case, {f"{CONTROL}:endTime": 2e-3})
+    assert start(case)[0] == 0
+    (again,) = [w for w in json.loads(file.read_text()) if w["name"] == "stiffness"]
+    assert (again["first_time_s"], again["last_time_s"], again["times"]) == (0, 1e-3, 2)
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    assert f"{again['what']}: {again['how_much']}; {again['what_to_set']}" in plan["warnings"]
+
+
+def test_a_variable_loading_beside_a_mass_flow_rate(scene: Path, tmp_path: Path) -> None:
+    """system/simulationParameters, which the feed includes, may name a variable so."""
+    case = from_the_start(scene, tmp_path / "case")
+    text = re.sub(r"loading [^;]*;", "massFlowRate 0.25;", (case / malformed.FEED).read_text())
+    (case / malformed.FEED).write_text(text + '\n#include "variables"\n')
+    (case / "constant/variables").write_text("loading 0.2;\n")
+    code, said = start(case)
+    assert code == 0, said
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    assert plan["feed"]["rate_kg_s"] == 0.25
+    shutil.rmtree(case / "0.001")
+    (case / malformed.FEED).write_text(text + "\nloading 0.2;\n")
+    code, said = start(case)
+    assert code == 2
+    assert "give either loading" in said
 
 
 @pytest.mark.slow

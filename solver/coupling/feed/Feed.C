@@ -9,6 +9,7 @@
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
 #include "foam/requirePositive.H"
+#include "foam/standsIn.H"
 #include "laws/FeedRules.hpp"
 #include "volFields.H"
 #include "mathematicalConstants.H"
@@ -201,7 +202,10 @@ void Feed::readAmounts(const word& phaseName)
 
 void Feed::readSchedule()
 {
-    if (found("loading") == found("massFlowRate"))
+    // Either may also be the name of a variable in a file that is included
+    const bool both = found("loading") && found("massFlowRate");
+    const bool rated = both ? standsIn(*this, "massFlowRate") : found("massFlowRate");
+    if (rated == (both ? standsIn(*this, "loading") : found("loading")))
     {
         FatalIOErrorInFunction(*this)
             << "give either loading (kg solids per kg gas) or"
@@ -209,7 +213,7 @@ void Feed::readSchedule()
     }
 
     massFlow_ =
-        found("massFlowRate")
+        rated
       ? readPositive(*this, "massFlowRate")
       : readPositive(*this, "loading")*gasFlow_;
 

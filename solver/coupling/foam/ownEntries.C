@@ -6,6 +6,8 @@
 \*---------------------------------------------------------------------------*/
 
 #include "foam/ownEntries.H"
+#include "foam/foamVersion.H"
+#include "foam/standsIn.H"
 #include "OSspecific.H"
 #include "Pstream.H"
 
@@ -224,6 +226,15 @@ void requireEntries(const dictionary& dict, const wordList& allowed)
             refuse(dict, e, allowed);
         }
     }
+}
+
+
+bool standsIn(const dictionary& wholeFile, const word& name)
+{
+    bool stands =
+        Pstream::master() && keysOf(fileOf(wholeFile)).count(name) > 0;
+    elutriaBroadcast(stands);
+    return stands;
 }
 
 

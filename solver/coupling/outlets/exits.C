@@ -68,6 +68,7 @@ void requireExits
 )
 {
     const dictionary& outlets = feed.subDict("outlets");
+    const word* open = nullptr;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
         const label product = feed.productOfPatch(patch.index());
@@ -80,16 +81,19 @@ void requireExits
                 << " leaves, allowed: a patch of the type patch"
                 << exit(FatalIOError);
         }
-        if (product < 0 && leads == way::out)
+        if (product < 0 && leads == way::out && !open)
         {
-            FatalIOErrorInFunction(outlets)
-                << "the open patch " << patch.name() << " belongs to no"
-                << " product, and particles that leave through it would be"
-                << " lost, allowed: its name in "
-                << listed(feed.products()).c_str() << ", in a product other ("
-                << patch.name() << "), or the type wall in the mesh"
-                << exit(FatalIOError);
+            open = &patch.name();
         }
+    }
+    if (open)
+    {
+        FatalIOErrorInFunction(outlets)
+            << "the open patch " << *open << " belongs to no product, and"
+            << " particles that leave through it would be lost, allowed: its"
+            << " name in " << listed(feed.products()).c_str()
+            << ", in a product other (" << *open << "), or the type wall in the"
+            << " mesh" << exit(FatalIOError);
     }
 }
 

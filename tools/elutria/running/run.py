@@ -170,6 +170,7 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
                 _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
             except ElutriaError as error:
                 reason = re.sub(r" \(see [^)]*\)$", "", str(error))
+                reason = reason.partition("elutria: failed: ")[2] or reason
                 raise InputError(reason.replace(str(copy.path), str(case.path))) from error
             found.append(read_plan(copy.path))
     return found

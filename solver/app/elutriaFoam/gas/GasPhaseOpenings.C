@@ -121,8 +121,7 @@ List<GasPhase::Opening> GasPhase::openings() const
         o.isAsked =
             returnReduce(bool(isA<fixedValueFvPatchVectorField>(U)), orOp<bool>())
          && !returnReduce(p.fixesValue(), orOp<bool>());
-        o.asked =
-            -gSum(scalarField(alphaf_.boundaryField()[patchi]*(U & normal)));
+        o.asked = -gSum(scalarField(U & normal));
         all.append(o);
     }
     List<Opening> openings;

@@ -36,6 +36,9 @@ constexpr label mostSteps = 64;
 //- In which a gas at rest begins to flow where pressure drives it
 constexpr label mostStepsToStart = 1000;
 
+//- Share of a passage that is a step then
+constexpr scalar largestPassage = 0.1;
+
 
 std::string digits(const scalar value)
 {
@@ -248,10 +251,16 @@ tmp<volVectorField> GasPhase::advance
 
 scalar GasPhase::startStep(const scalar courant) const
 {
-    // From rest the gas cannot become faster than pressure makes it
-    const scalar fastest = sqrt(2*pressureDrop());
+    // From rest the gas cannot become faster than pressure makes it. The
+    // pressure of an inlet follows its velocity from step to step: that is
+    // stable where a step is a part of the passage.
+    const scalar fastest = sqrt(2*pressureDrop()) + VSMALL;
     const scalar smallest = cbrt(gMin(mesh_.V().field()));
-    return courant/max(courantRate(), 0.1*fastest/smallest);
+    return min
+    (
+        courant/max(courantRate(), fastest/smallest),
+        largestPassage*mesh_.bounds().mag()/fastest
+    );
 }
 
 

@@ -22,9 +22,14 @@ void requireNothingLost(const fvMesh& mesh, const ElutriaCloud& cloud)
     }
     const Ledger& ledger = *cloud.ledger();
     OStringStream text;
-    text<< lost << " parcels, " << ledger.lost().mass << " kg ("
-        << 100*ledger.lost().mass/ledger.injectedMass() << " % of the feed), are"
-        << " in no product and not inside";
+    text<< lost << " parcels";
+    if (ledger.lost().parcels == lost)
+    {
+        text<< ", " << ledger.lost().mass << " kg ("
+            << 100*ledger.lost().mass/ledger.injectedMass()
+            << " % of the feed)";
+    }
+    text<< " are in no product and not inside";
     forAll(gone, patchi)
     {
         if (gone[patchi] > 0 && cloud.feed()->productOfPatch(patchi) < 0)
