@@ -244,9 +244,9 @@ def test_an_outlet_that_is_a_wall_and_an_open_patch_without_a_product(
 def from_the_start(scene: Path, case: Path) -> Path:
     """A copy of the scene before its step."""
     shutil.copytree(scene, case)
-    for time in times(case):
-        if float(time) > 0:
-            shutil.rmtree(case / time)
+    for written in times(case):
+        if float(written) > 0:
+            shutil.rmtree(case / written)
     return case
 
 
