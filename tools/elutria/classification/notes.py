@@ -38,8 +38,8 @@ def inside(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[
         Warned(
             name="inside",
             what="a part of the feed is still in the column and left out of the curve",
-            how_much=f"{100 * share:.2g} % of its mass, most of it near "
-            f"{worst['diameter_m'] * 1e6:.3g} um; d50 may shift by up to {100 * shift:.2g} %",
+            how_much=f"{100 * share:.3g} % of its mass, most of it near "
+            f"{worst['diameter_m'] * 1e6:.3g} um; d50 may shift by up to {100 * shift:.3g} %",
             what_to_set="increase drainTime of constant/feed",
             size=max(share, shift),
         )
