@@ -310,6 +310,47 @@ def test_every_word_that_an_entry_may_be_is_in_the_manual() -> None:
     assert asked - told == set()
 
 
+OWN_DICTIONARIES = {
+    "feed": "constant/feed",
+    "material": "materials / NAME",
+    "selfInducedVelocity": "selfInducedVelocity",
+    "ownWake": "selfInducedVelocity",
+    "spreading": "spreading",
+    "dragLaw": "subModels / particleForces",
+    "cellList": "subModels / cellListCoeffs",
+    "contactMaterial": "particle, wall",
+    "contactPair": "particleParticle, particleWall, pairs / A-B",
+    "dispersion": "subModels / continuousDispersionRASCoeffs",
+    "scenePlan": "system/scenePlan",
+}
+"""Dictionaries in which the solver refuses what it does not know, and their headings."""
+
+
+def test_what_the_solver_allows_is_what_the_manual_lists() -> None:
+    source = (ROOT / "solver/coupling/foam/ownEntries.C").read_text()
+    lists = dict(re.findall(r"case ownDictionary::(\w+):\s+return\s+\{([^}]*)\}", source))
+    assert lists.keys() == OWN_DICTIONARIES.keys()
+    rows = [row for row in table_rows(DICTIONARIES) if "entry" in row.cells]
+    for heading in set(OWN_DICTIONARIES.values()):
+        listed = {name for kind, at in OWN_DICTIONARIES.items() if at == heading
+                  for name in re.findall(r'"(\w+)"', lists[kind])}  # fmt: skip
+        told = documented([r for r in rows if r.section.split(" > ")[-1] == heading])
+        assert listed == told - {"phi"}, heading  # phi is of OpenFOAM's nonSphereDrag
+
+
+def test_the_manual_lists_the_warnings_that_there_are() -> None:
+    sources = [p for p in (ROOT / "solver").rglob("*") if p.suffix in {".C", ".H", ".cpp"}
+               and not p.is_symlink() and "tests" not in p.parts]  # fmt: skip
+    said = {name for file in sources for name in re.findall(
+        r'(?:Warnings::add(?:Local)?|table\.warn)\s*\(\{\s*"(\w+)"|warnings\.push_back\(\{"(\w+)"',
+        file.read_text())}  # fmt: skip
+    names = {name for pair in said for name in pair if name}
+    for file in product_modules():
+        names |= set(re.findall(r'Warned\(\s*name="(\w+)"', file.read_text()))
+    assert len(names) > 15
+    assert names == documented(table_rows(OUTPUTS), "kind")
+
+
 def python_readings() -> set[str]:
     """Entries that the tool reads, by the methods of its Dictionary."""
     calls = r'\b(?:number|numbers|word|words|sub|raw)\(\s*"(\w+)"'
@@ -345,7 +386,7 @@ def test_every_parameter_of_the_default_case_is_in_the_manual() -> None:
 def columns() -> set[str]:
     """The columns of all csv files, the solver's and the tool's."""
     headers = [re.findall(r'"(time_s,[^;]*)";', text) for text in texts().values()]
-    solvers = re.sub(r'["\s]', "", "".join(h for found in headers for h in found)).split(",")
+    solvers = re.sub(r'["\s]', "", ",".join(h for found in headers for h in found)).split(",")
     tools = [name for table in vars(tables).values() if isinstance(table, tuple) for name in table]
     assert {"time_s", "residence_time_s"} <= set(solvers)
     assert {"d50_m", "cut_size_m", "aic"} <= set(tools)

@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
+import re
 import resource
 import shutil
 import signal
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from elutria.classification.events import read_run
 from elutria_validation.harness.box import BoxCase, Contacts
-from elutria_validation.harness.cases import CONTROL, add_feed, change, material
+from elutria_validation.harness.cases import (
+    CLOUD,
+    CONTACTS,
+    CONTROL,
+    MODELS,
+    add_feed,
+    change,
+    material,
+    times,
+)
 from elutria_validation.harness.programs import run_program
 from tests.support import malformed
 
@@ -144,6 +157,165 @@ def test_a_memory_fault_while_reading_does_not_blame_the_mesh(scene: Path, tmp_p
     assert run.returncode == 2
     assert "memory fault while the case was read" in said
     assert "a defect of elutriaFoam" in said
+
+
+SIZES = f"{malformed.FEED}:materials/solid/sizeDistribution"
+FORCES = f"{MODELS}/particleForces"
+MISSPELT = [
+    (f"{malformed.FEED}:drainTme", 1, "drainTme"),
+    (f"{malformed.FEED}:materials/solid/sphericty", 0.9, "sphericty"),
+    (f"{SIZES}/wieghting", "number", "wieghting"),
+    (f"{SIZES}/d50", 1e-3, "d50"),  # not of RosinRammler
+    ("system/scenePlan:gass", "on", "gass"),
+    (f"{CLOUD}:ownWake", {"undisturbd": False}, "undisturbd"),
+    (f"{CLOUD}:selfInducedVelocity", {"corect": False}, "corect"),
+    (f"{CLOUD}:spreading", {"widht": 0}, "widht"),
+    (f"{CLOUD}:spredding", {"width": 0}, "spredding"),
+    (f"{CONTACTS}/treatmnt", "soft", "treatmnt"),
+    (f"{CONTACTS}/particle/poisonsRatio", 0.3, "poisonsRatio"),
+    (f"{CONTACTS}/particleWall/rollingfriction", 0.1, "rollingfriction"),
+    (f"{CONTACTS}/pairs", {"solid-wst": {"restitution": 0.8, "friction": 0}}, "solid-wst"),
+    (FORCES, {"GidaspowDrag": {"alphaC": "alpha.air"}}, "alphaC"),
+    (FORCES, {"SchillerNaumannDrag": {"sphericty": 0.9}}, "sphericty"),
+    (f"{MODELS}/continuousDispersionRASCoefs", {"beta": 0}, "continuousDispersionRASCoefs"),
+]
+
+
+@pytest.mark.parametrize(("entry", "value", "wrong"), MISSPELT, ids=[row[2] for row in MISSPELT])
+def test_a_misspelt_entry_of_ours_is_named(
+    scene: Path, tmp_path: Path, entry: str, value: Any, wrong: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {entry: value})
+    code, said = start(case)
+    assert code == 2, said
+    assert f"{wrong} is not an entry of" in said
+    assert ", allowed: " in said
+    assert Path(entry.partition(":")[0]).name in said
+
+
+@pytest.mark.parametrize("coefficients", [{}, {"alphac": "alpha.gas"}])
+def test_a_law_of_suspensions_needs_the_void_fraction(
+    scene: Path, tmp_path: Path, coefficients: dict[str, str]
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{MODELS}/particleForces": {"GidaspowDrag": coefficients, "gravity": {}}})
+    code, said = start(case)
+    assert code == 2
+    assert "alphac" in said
+    assert "alpha.air" in said
+    change(case, {f"{MODELS}/particleForces": {"GidaspowDrag": {"alphac": "alpha.air"}}})
+    assert start(case)[0] == 0
+
+
+def test_entries_of_others_are_left_alone(scene: Path, tmp_path: Path) -> None:
+    """What OpenFOAM's models read, and variables in a file that is included."""
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{CLOUD}:constantProperties/parcelTypeId": 3, f"{CLOUD}:myOwn": 1})
+    (case / "constant/mine").write_text("drainTme 3;\nrhoOfMine 2650;\n")
+    for file in ("constant/feed", "system/scenePlan"):
+        text = (case / file).read_text()
+        (case / file).write_text(text + '\n#include "../constant/mine"\n')
+    code, said = start(case)
+    assert code == 0, said
+
+
+def test_an_outlet_that_is_a_wall_and_an_open_patch_without_a_product(
+    scene: Path, tmp_path: Path
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"], "coarse": ["bottom", "west"]}})
+    code, said = start(case)
+    assert code == 2
+    assert "coarse: the patch west has the type wall, through which nothing leaves" in said
+    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"], "coarse": []}})
+    code, said = start(case)
+    assert code == 2
+    assert "constant/feed" in said
+    assert "the open patch bottom belongs to no product" in said
+    assert "allowed: its name in fines, coarse, in a product other (bottom)" in said
+    change(case, {f"{malformed.FEED}:outlets/other": ["bottom"]})
+    assert start(case)[0] == 0
+
+
+def from_the_start(scene: Path, case: Path) -> Path:
+    """A copy of the scene before its step."""
+    shutil.copytree(scene, case)
+    for written in times(case):
+        if float(written) > 0:
+            shutil.rmtree(case / written)
+    return case
+
+
+def test_lost_parcels_are_an_error_that_names_the_patch(scene: Path, tmp_path: Path) -> None:
+    """Walls that let particles out: nothing tells it before."""
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {f"{MODELS}/collisionModel": "none",
+                  f"{MODELS}/standardWallInteractionCoeffs": {"type": "escape"},
+                  f"{MODELS}/patchInteractionModel": "standardWallInteraction",
+                  f"{malformed.FEED}:velocity": [30, 0, 0], f"{malformed.FEED}:particles": 20,
+                  f"{malformed.FEED}:massFlowRate": 1, f"{CONTROL}:endTime": 0.02,
+                  f"{CONTROL}:writeInterval": 0.02})  # fmt: skip
+    text = (case / malformed.FEED).read_text()
+    (case / malformed.FEED).write_text(re.sub(r"loading [^;]*;", "", text))
+    code, said = start(case)
+    ledger = json.loads((case / "postProcessing/ledger.json").read_text())["total"]
+    lost = ledger["lost"]
+    assert lost["parcels"] > 0
+    assert code == 1, said
+    told = re.search(r"failed: (\d+) parcels, (\S+) kg", said)
+    assert told
+    assert int(told[1]) == lost["parcels"]
+    assert float(told[2]) == pytest.approx(lost["mass_kg"], rel=1e-6)
+    assert f"{lost['parcels']} left through the patch " in said
+    # the tables agree with the ledger, and are an error of the tool too
+    assert read_run(case).accounts["all"].mass_closure_error == pytest.approx(
+        ledger["mass_closure_error"], rel=1e-9
+    )
+    assert ledger["mass_closure_error"] == pytest.approx(
+        lost["mass_kg"] / ledger["injected"]["mass_kg"], rel=1e-9
+    )
+
+
+def test_warnings_are_kept_over_a_restart(scene: Path, tmp_path: Path) -> None:
+    """Contacts far too soft: said before the run and in its steps, in both starts."""
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {f"{CONTACTS}/treatment": "soft", f"{CONTACTS}/particle/youngsModulus": 1e4,
+                  f"{CONTACTS}/wall/youngsModulus": 1e4, f"{CONTROL}:startFrom": "latestTime",
+                  f"{CONTROL}:writeInterval": 1e-3})  # fmt: skip
+    file = case / "warnings.json"
+    assert start(case)[0] == 0
+    (first,) = [w for w in json.loads(file.read_text()) if w["name"] == "stiffness"]
+    assert first["times"] == 1
+    assert first["first_time_s"] == 0
+    file.unlink()
+    change(case, {f"{CONTROL}:endTime": 2e-3})
+    assert start(case)[0] == 0
+    (again,) = [w for w in json.loads(file.read_text()) if w["name"] == "stiffness"]
+    assert (again["first_time_s"], again["last_time_s"], again["times"]) == (0, 1e-3, 2)
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    assert f"{again['what']}: {again['how_much']}; {again['what_to_set']}" in plan["warnings"]
+
+
+def test_a_variable_loading_beside_a_mass_flow_rate(scene: Path, tmp_path: Path) -> None:
+    """system/simulationParameters, which the feed includes, may name a variable so."""
+    case = from_the_start(scene, tmp_path / "case")
+    text = re.sub(r"loading [^;]*;", "massFlowRate 0.25;", (case / malformed.FEED).read_text())
+    (case / malformed.FEED).write_text(text + '\n#include "variables"\n')
+    (case / "constant/variables").write_text("loading 0.2;\n")
+    code, said = start(case)
+    assert code == 0, said
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    assert plan["feed"]["rate_kg_s"] == 0.25
+    shutil.rmtree(case / "0.001")
+    (case / malformed.FEED).write_text(text + "\nloading 0.2;\n")
+    code, said = start(case)
+    assert code == 2
+    assert "give either loading" in said
 
 
 @pytest.mark.slow

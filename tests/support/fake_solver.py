@@ -41,6 +41,11 @@ def main() -> int:
         int(parameter("particles")),
         parameter("seed"),
     )
+    if "-plan" in sys.argv:
+        gas = {"basis": "inlet", "inflow_is_fixed": True, "superficial_m_s": velocity}
+        Path("postProcessing").mkdir()
+        Path("postProcessing/plan.json").write_text(json.dumps({"gas": {**gas, "inlets": []}}))
+        return 0
     if "FAKE_STARTS" in os.environ:
         with Path(os.environ["FAKE_STARTS"]).open("a") as file:
             file.write(f"{velocity:g} {seed:g}\n")

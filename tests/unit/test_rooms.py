@@ -7,12 +7,13 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "tools/elutria"
 BELOW: dict[str, set[str]] = {"errors": set(), "tables": set(), "files": {"errors"}}
+BELOW["warned"] = {"errors", "files"}
 BELOW["openfoam"] = {"errors", "files"}
 BELOW["physics"] = {"errors", "files", "openfoam"}
 BELOW["case"] = {"errors", "files", "openfoam", "physics"}
 BELOW["estimates"] = {"errors", "files", "tables", "openfoam", "physics", "case"}
-BELOW["classification"] = {"errors", "files", "tables"}
-BELOW["running"] = BELOW["estimates"] | {"estimates", "classification"}
+BELOW["classification"] = {"errors", "files", "tables", "warned"}
+BELOW["running"] = BELOW["estimates"] | {"estimates", "classification", "warned"}
 BELOW["output"] = BELOW["running"]
 BELOW["pages"] = BELOW["output"] | {"running", "output"}
 """What each room of the product may import besides itself; `cli` may import all."""

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import traceback
+from collections.abc import Mapping
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
@@ -20,6 +21,7 @@ from elutria.files import NOT_THE_PLACE
 if TYPE_CHECKING:
     from elutria.classification.classify import Classification, Row
     from elutria.running.solver import Step
+    from elutria.warned import Warned
 
 app = typer.Typer(
     name="elutria",
@@ -92,8 +94,9 @@ def run(
     """Copy, mesh, solve and classify a case; go on where it was stopped."""
     from elutria.case.case import Case
     from elutria.running.axes import parse_velocities
+    from elutria.running.gas import require_acting_velocity
     from elutria.running.progress import ProgressDisplay
-    from elutria.running.run import run_case
+    from elutria.running.run import is_finished, run_case
     from elutria.running.worker import note
 
     source = Case(case)
@@ -104,6 +107,8 @@ def run(
     source.check_settings(settings)
     folder = (to or Path("results") / source.name / f"U{speed:.12g}").resolve()
     _refuse_overlap(source.path, folder)
+    if not is_finished(folder, source.fingerprint(settings, np)):
+        require_acting_velocity(source, [(speed, settings)])
     with ProgressDisplay(console) as display:
 
         def on_step(share: float, step: Step) -> None:
@@ -165,6 +170,7 @@ def sweep(
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     _show(result.tables, wide)
+    _warn(result.warnings)
     for name in result.imprecise:
         width = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
         console.print(f"{name}: the 95 % interval of d50 is wider than {width}")
@@ -297,23 +303,47 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
     from elutria.estimates.theory import write_theory
+    from elutria.running.gas import label_warnings, write_gas
     from elutria.running.marker import FINISHED
     from elutria.running.run import wall_time
+    from elutria.warned import read_warnings, set_tool_warnings, solver_warnings
 
     case = Case(folder)
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
     velocity = case.velocity_of_run()
-    tables = classify_run(read_run(folder), velocity, seconds)
+    run = read_run(folder)
+    labels = label_warnings(folder, velocity)
+    warned = len(solver_warnings(folder)) + len(labels)
+    tables = classify_run(run, velocity, seconds, warned)
     tables.write(to)
+    set_tool_warnings(folder, [*labels, *tables.notes])
     write_theory(case, [velocity], to)
+    write_gas(to, [({"gas_velocity_m_s": velocity}, folder)])
     if not quiet:
         _show(tables, wide)
+        _warn({f"{velocity:g} m/s": read_warnings(folder)})
+    lost, mass = run.accounts["all"].lost
+    if lost:
+        raise ElutriaError(
+            f"{folder}: {lost:.12g} particles, {mass:.3g} kg, are in no product and not inside; "
+            "allowed: none lost (see the end of log.elutriaFoam)"
+        )
     return tables.summary
+
+
+def _warn(runs: Mapping[str, list[Warned]]) -> None:
+    """The warnings of runs, by kind; nothing where there are none."""
+    from elutria.warned import grouped
+
+    for line in grouped(runs):
+        console.print(
+            f"Warning: {line}", highlight=False, markup=False, soft_wrap=True, style="yellow"
+        )
 
 
 def _show(tables: Classification, wide: bool) -> None:
     from elutria.output.settings import Settings
-    from elutria.output.terminal import absent_notes, inside_notes, print_table, summary_table
+    from elutria.output.terminal import print_table, summary_table
 
     if tables.summary:
         settings = Settings(tables.summary, tables.partition)
@@ -321,8 +351,6 @@ def _show(tables: Classification, wide: bool) -> None:
         print_table(console, table, keys)
         if not wide:
             console.print("every column: summary.csv, or --wide", style="dim")
-    for line in [*inside_notes(tables.partition), *absent_notes(tables.summary, tables.curves)]:
-        console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 def _plot(folder: Path, formats: list[str] | None = None) -> None:

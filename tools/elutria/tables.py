@@ -11,10 +11,17 @@ EVENTS = (
 )  # fmt: skip
 """particles.csv and inside.csv, which the solver writes: a row per parcel."""
 
+PATCH_FLOWS = (
+    "time_s", "patch", "area_m2", "volume_flow_m3_s", "mass_flow_kg_s", "velocity_m_s",
+    "pressure_pa", "asked_volume_flow_m3_s",
+)  # fmt: skip
+"""gas.csv of a run, which the solver writes: a row per inlet or outlet and written time."""
+
+GAS = ("gas_velocity_m_s", *PATCH_FLOWS[1:])
 SUMMARY = (
     "gas_velocity_m_s", "material", "d25_m", "d50_m", "d50_low_m", "d50_high_m", "d75_m",
     "sharpness", "ecart_probable_m", "bypass", "fines_yield", "mass_closure_error",
-    "particles_fed", "particles_lost", "wall_time_s",
+    "particles_fed", "particles_lost", "wall_time_s", "warnings",
 )  # fmt: skip
 PARTITION = (
     "gas_velocity_m_s", "material", "diameter_low_m", "diameter_high_m", "diameter_m", "feed_kg",

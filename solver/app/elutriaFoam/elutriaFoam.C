@@ -18,11 +18,14 @@ Description
 #include "cloud/ElutriaCloud.H"
 #include "contacts/meshDimensions.H"
 #include "gas/GasPhase.H"
+#include "gas/GasTable.H"
 #include "schedule/ScenePlan.H"
 #include "run/AtomicTime.H"
 #include "run/caseFiles.H"
 #include "run/exitHandling.H"
+#include "run/nothingLost.H"
 #include "foam/foamVersion.H"
+#include "foam/Warnings.H"
 #include "foam/requirePositive.H"
 #include "profiling.H"
 #include "sigFpe.H"
@@ -73,6 +76,7 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
     {
         cloud.writeState();
         plan.write();
+        Warnings::write();
         if (last)
         {
             runTime.writeAndEnd();
@@ -92,6 +96,7 @@ void writeLastSound(Time& runTime, ElutriaCloud& cloud)
     AtomicTime(runTime).write([&]()
     {
         cloud.writeState();
+        Warnings::write();
         runTime.writeNow();
     });
     Info<< "elutria: last sound state written, time " << runTime.timeName()
@@ -130,10 +135,15 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
-        Info<< "    Warning: the solid fraction exceeds alphaMax " << largest
-            << " in some cells: the gas does not see " << cloud.excessVolume()
-            << " m3 of solids; lower the feed's loading, or raise alphaMax of"
-            << " constantProperties" << endl;
+        OStringStream excess;
+        excess << cloud.excessVolume();
+        Warnings::add
+        ({
+            "alphaMax", "the solid fraction exceeds alphaMax in some cells",
+            "the gas does not see " + excess.str() + " m3 of solids",
+            "lower the feed's loading, or raise alphaMax of constantProperties",
+            cloud.excessVolume()
+        });
     }
 }
 
@@ -234,12 +244,21 @@ void run(const argList& args)
         caseFiles::unused(mesh, cloud.name(), gas.name())
     );
 
+    if (!args.found("plan"))
+    {
+        Warnings::start(runTime);
+    }
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
     const bool settles = plan.settles(cloud);
 
+    const bool known = gas.inflowIsFixed();
     if (args.found("plan"))
     {
+        if (cloud.feed() && !(settles && !known && gas.isDriven()))
+        {
+            cloud.feed()->requireRate();
+        }
         if (settles)
         {
             plan.setBasis(ScenePlan::gasBasis::inlet);
@@ -264,6 +283,19 @@ void run(const argList& args)
             gas.writeSettled();
         }
     }
+    if (const Feed* feed = cloud.feed())
+    {
+        if (!known && !feed->gasFlowTold() && cloud.nParcels() == 0)
+        {
+            mesh.lookupObjectRef<Feed>("feed").tellGasFlow
+            (
+                gas.massInflow(), gas.name()
+            );
+        }
+        feed->requireRate();
+    }
+    const GasTable table(gas, runTime);
+    table.write();
 
     plan.announce(cloud, runTime, unused);
     plan.account(ScenePlan::partOutput);
@@ -312,12 +344,17 @@ void run(const argList& args)
         if (atomic)
         {
             write(runTime, cloud, plan, *atomic, drained);
+            table.write();
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);
     }
 
     plan.report(cloud);
+    if (cloud.feed())
+    {
+        requireNothingLost(mesh, cloud);
+    }
     Info<< "elutria: finished" << endl;
 }
 

@@ -12,6 +12,7 @@
 #include "surfaceFields.H"
 #include "gaussLaplacianScheme.H"
 #include "correctedSnGrad.H"
+#include "foam/ownEntries.H"
 #include "linear.H"
 
 namespace Foam
@@ -34,6 +35,7 @@ DiffusionKernel::DiffusionKernel(const fvMesh& mesh, const dictionary& dict)
     ),
     smallestCell_(cbrt(gMin(mesh.V())))
 {
+    requireOwnEntries(dict, ownDictionary::spreading);
     if (dict.found("width"))
     {
         ITstream& is = dict.lookup("width");

@@ -9,6 +9,7 @@
 #include "cloud/contactLimits.H"
 #include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
+#include "foam/Warnings.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
 #include "profiling.H"
@@ -44,9 +45,9 @@ void ElutriaCloud::advanceEngine
     work_.freeFlights += report_.freeParticles;
     work_.softFlights += report_.softParticles;
     work_.impacts += report_.impacts;
-    for (const std::string& warning : report_.warnings)
+    for (const RunWarning& warning : report_.warnings)
     {
-        Info<< "    Warning: " << warning.c_str() << endl;
+        Warnings::add(warning);
     }
 }
 

@@ -222,6 +222,7 @@ void FeedEntry::writeState()
     if (recorder_)
     {
         recorder_->writeFiles();
+        feed_->writeState();
     }
 }
 

@@ -9,6 +9,7 @@
 #include "laws/SelfInducedVelocity.hpp"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
 #include "foam/stateFile.H"
 #include "impacts/Flight.hpp"
 #include "IOField.H"
@@ -39,16 +40,29 @@ scalarField solidVolume(const StockCloud& cloud)
 
 bool GasSampling::readCorrection(const dictionary& properties)
 {
+    refuseNearMisses
+    (
+        properties, {"selfInducedVelocity", "ownWake", "spreading"}
+    );
+    refuseNearMisses
+    (
+        properties.subDict("subModels"),
+        {
+            "cellListCoeffs", "pairCollisionCoeffs",
+            "continuousDispersionRASCoeffs"
+        }
+    );
     if (const dictionary* former = properties.findDict("ownWake"))
     {
         Info<< "elutria: " << properties.name() << ": ownWake { undisturbed }"
             << " is read, but now called selfInducedVelocity { correct }"
             << endl;
+        requireOwnEntries(*former, ownDictionary::ownWake);
         return former->getOrDefault<Switch>("undisturbed", true);
     }
-    return
-        properties.subOrEmptyDict("selfInducedVelocity")
-       .getOrDefault<Switch>("correct", true);
+    const dictionary own(properties.subOrEmptyDict("selfInducedVelocity"));
+    requireOwnEntries(own, ownDictionary::selfInducedVelocity);
+    return own.getOrDefault<Switch>("correct", true);
 }
 
 

@@ -231,11 +231,24 @@ ParcelTracking::ParcelTracking
     coupling_(coupling),
     solids_(solids),
     contacts_(contacts),
-    inertialDispersion_(inertialDispersion)
+    inertialDispersion_(inertialDispersion),
+    goneThrough_(cloud.mesh().boundaryMesh().size(), Zero)
 {}
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+labelList ParcelTracking::goneThrough() const
+{
+    // Patches between processors come last and differ
+    labelList gone
+    (
+        SubList<label>(goneThrough_, mesh().boundaryMesh().nNonProcessor())
+    );
+    Pstream::listCombineGather(gone, plusEqOp<label>());
+    return gone;
+}
+
 
 void ParcelTracking::track
 (
@@ -264,6 +277,10 @@ void ParcelTracking::track
 
             if (!td.keepParticle)
             {
+                if (p.origProc() == Feed::feedOrigin && p.onBoundaryFace())
+                {
+                    ++goneThrough_[p.patch()];
+                }
                 deposit(p, flight);
                 solids_.arrive
                 (

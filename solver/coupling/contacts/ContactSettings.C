@@ -11,6 +11,7 @@
 #include "contacts/WallMotion.H"
 #include "foam/foamVersion.H"
 #include "foam/engineVectors.H"
+#include "foam/ownEntries.H"
 #include "laws/LawList.hpp"
 #include "cyclicPolyPatch.H"
 #include "processorCyclicPolyPatch.H"
@@ -94,6 +95,7 @@ ContactMaterial readMaterial(const word& name, const dictionary& dict)
 
 PairProperties readPair(const dictionary& dict, const ContactLaw& law)
 {
+    requireOwnEntries(dict, ownDictionary::contactPair);
     PairProperties pair;
     dict.readEntry("restitution", pair.restitution);
     dict.readEntry("friction", pair.friction);
@@ -142,6 +144,11 @@ void ContactSettings::readOwn
     const wordList& wallNames
 )
 {
+    requireOwnEntries(dict, ownDictionary::cellList);
+    for (const char* const name : {"particle", "wall"})
+    {
+        requireOwnEntries(dict.subDict(name), ownDictionary::contactMaterial);
+    }
     settings.law = &readLaw(dict, "particleParticle");
     settings.wallLaw = &readLaw(dict, "particleWall");
     settings.treatment =
@@ -172,6 +179,7 @@ void ContactSettings::readOwn
     const label nParticle = particleNames.size();
     const label n = nParticle + wallNames.size();
     const dictionary& pairs = dict.subOrEmptyDict("pairs");
+    wordList pairNames;
 
     for (label a = 0; a < nParticle; ++a)
     {
@@ -179,6 +187,8 @@ void ContactSettings::readOwn
         {
             const word name(materials[a].name + '-' + materials[b].name);
             const word reverse(materials[b].name + '-' + materials[a].name);
+            pairNames.append(name);
+            pairNames.append(reverse);
             const word usual
             (
                 b < nParticle ? "particleParticle" : "particleWall"
@@ -200,6 +210,7 @@ void ContactSettings::readOwn
             );
         }
     }
+    requireEntries(pairs, pairNames);
 }
 
 

@@ -8,7 +8,9 @@
 #include "feed/Feed.H"
 #include "feed/FeedRecord.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
 #include "foam/requirePositive.H"
+#include "foam/standsIn.H"
 #include "laws/FeedRules.hpp"
 #include "volFields.H"
 #include "wordRes.H"
@@ -57,6 +59,7 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     focus(0),
     sizes(dict.subDict("sizeDistribution"))
 {
+    requireOwnEntries(dict, ownDictionary::material);
     if (!(sphericity > 0 && sphericity <= 1))
     {
         FatalIOErrorInFunction(dict)
@@ -134,7 +137,7 @@ void Feed::readOutlets()
 }
 
 
-scalar Feed::gasMassFlow(const word& phaseName) const
+scalar Feed::boundaryGasFlow(const word& phaseName) const
 {
     const auto& U = mesh_.lookupObject<volVectorField>
     (
@@ -164,9 +167,49 @@ scalar Feed::gasMassFlow(const word& phaseName) const
 }
 
 
-void Feed::readSchedule(const word& phaseName)
+IOobject Feed::gasFlowHeader(const IOobject::readOption read) const
 {
-    if (found("loading") == found("massFlowRate"))
+    return IOobject
+    (
+        "feedGas", mesh_.time().timeName(), "uniform", mesh_, read,
+        IOobject::NO_WRITE, false
+    );
+}
+
+
+void Feed::readGasFlow(const word& phaseName)
+{
+    const IOdictionary state(gasFlowHeader(IOobject::READ_IF_PRESENT));
+    gasFlowTold_ = state.found("massFlow");
+    gasFlow_ =
+        gasFlowTold_
+      ? state.get<scalar>("massFlow") : boundaryGasFlow(phaseName);
+}
+
+
+void Feed::readAmounts(const word& phaseName)
+{
+    materials_.clear();
+    readMaterials();
+    readSchedule();
+    readFocus(phaseName);
+    if (massFlow_ > 0)
+    {
+        drawParcels();
+    }
+}
+
+
+void Feed::readSchedule()
+{
+    // Either may also be the name of a variable in a file that is included
+    const bool both = found("loading") && found("massFlowRate");
+    const bool rated = both ? standsIn(*this, "massFlowRate") : found("massFlowRate");
+    if
+    (
+        !told_.found("massFlow")
+     && rated == (both ? standsIn(*this, "loading") : found("loading"))
+    )
     {
         FatalIOErrorInFunction(*this)
             << "give either loading (kg solids per kg gas) or"
@@ -176,17 +219,9 @@ void Feed::readSchedule(const word& phaseName)
     massFlow_ =
         told_.found("massFlow")
       ? told_.get<scalar>("massFlow")
-      : found("massFlowRate")
+      : rated
       ? readPositive(*this, "massFlowRate")
-      : readPositive(*this, "loading")*gasMassFlow(phaseName);
-
-    if (!(massFlow_ > 0))
-    {
-        FatalIOErrorInFunction(*this)
-            << "loading gives a feed of " << massFlow_ << " kg/s: no gas flows"
-            << " in; allowed: an inflow, or massFlowRate"
-            << exit(FatalIOError);
-    }
+      : readPositive(*this, "loading")*gasFlow_;
 
     start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
     if (!found("duration") && !found("particles"))
@@ -201,10 +236,10 @@ void Feed::readSchedule(const word& phaseName)
     asked_ = maxParticles_;
 
     sampling_ = readSampling();
-    rate_ = massFlow_/meanMass();
+    rate_ = max(massFlow_/meanMass(), SMALL);
     if (weighted() && found("duration") && found("particles"))
     {
-        addParcels(phaseName);
+        addParcels();
         rate_ = maxParticles_/duration_;
     }
     slots_ = min(scalar(maxParticles_), duration_*rate_);
@@ -214,7 +249,7 @@ void Feed::readSchedule(const word& phaseName)
 }
 
 
-void Feed::addParcels(const word& phaseName)
+void Feed::addParcels()
 {
     if (told_.found("parcels"))
     {
@@ -226,7 +261,7 @@ void Feed::addParcels(const word& phaseName)
         return;
     }
     const scalar most = readPositive(*this, "particlesPerParcel");
-    if (!isDilute(phaseName))
+    if (!isDilute())
     {
         const scalar fed =
             elutria::laws::parcelsFed(asked_, rate_*duration_, most);
@@ -235,11 +270,9 @@ void Feed::addParcels(const word& phaseName)
 }
 
 
-bool Feed::isDilute(const word& phaseName) const
+bool Feed::isDilute() const
 {
-    return
-        massFlow_
-      < elutria::laws::largestDiluteLoading*gasMassFlow(phaseName);
+    return massFlow_ < elutria::laws::largestDiluteLoading*gasFlow_;
 }
 
 
@@ -326,12 +359,15 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     asked_(labelMax),
     seed_(0),
     sampling_(Sampling::particles),
+    gasFlow_(0),
+    gasFlowTold_(false),
     massFlow_(0),
     rate_(0),
     slots_(0),
     parcels_(0),
     first_(0)
 {
+    requireOwnEntries(*this, ownDictionary::feed);
     goOn(phaseName);
     readAll(phaseName);
 }
@@ -361,6 +397,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
     asked_(labelMax),
     seed_(0),
     sampling_(Sampling::particles),
+    gasFlow_(0),
+    gasFlowTold_(false),
     massFlow_(0),
     rate_(0),
     slots_(0),
@@ -374,12 +412,10 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
 
 void Feed::readAll(const word& phaseName)
 {
-    readMaterials();
     readOutlets();
     velocity_ = getOrDefault<vector>("velocity", Zero);
-    readSchedule(phaseName);
-    readFocus(phaseName);
-    drawParcels();
+    readGasFlow(phaseName);
+    readAmounts(phaseName);
 }
 
 
@@ -429,6 +465,41 @@ const Feed& Feed::require
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void Feed::tellGasFlow(const scalar massFlow, const word& phaseName)
+{
+    // In few enough digits that the file gives it back
+    OStringStream text;
+    text.precision(min(10, int(IOstream::defaultPrecision())));
+    text<< massFlow;
+    gasFlow_ = std::stod(text.str());
+    gasFlowTold_ = true;
+    readAmounts(phaseName);
+}
+
+
+void Feed::requireRate() const
+{
+    if (!(massFlow_ > 0))
+    {
+        FatalIOErrorInFunction(*this)
+            << "loading gives a feed of " << massFlow_ << " kg/s: no gas flows"
+            << " in; allowed: an inflow, or massFlowRate"
+            << exit(FatalIOError);
+    }
+}
+
+
+void Feed::writeState() const
+{
+    if (gasFlowTold_)
+    {
+        IOdictionary state(gasFlowHeader(IOobject::NO_READ));
+        state.add("massFlow", gasFlow_);
+        state.regIOobject::write();
+    }
+}
+
 
 scalar Feed::end() const
 {

@@ -45,7 +45,7 @@ scalar Feed::superficialSpeed(const word& phaseName) const
     const vector g(gravity());
     const scalarField height(mesh_.points() & g/max(mag(g), VSMALL));
     const scalar section = gSum(mesh_.V())/(gMax(height) - gMin(height));
-    return gasMassFlow(phaseName)/(gas(phaseName).density*section);
+    return gasFlow_/(gas(phaseName).density*section);
 }
 
 
@@ -87,7 +87,7 @@ void Feed::readFocus(const word& phaseName)
     const dictionary& told = told_.subOrEmptyDict("focus");
 
     // Else parcels must meet, and the sizes aside need their number
-    const bool dilute = isDilute(phaseName);
+    const bool dilute = isDilute();
     for (Material& m : materials_)
     {
         if (told.found(m.name))

@@ -113,7 +113,8 @@ scalar Feed::numberFraction(const Material& m) const
 scalar Feed::heaviestParcel() const
 {
     scalar heaviest = 0;
-    for (label i = 0; i < min(label(1000), parcels_); ++i)
+    const label some = drawn_ ? min(label(1000), parcels_) : 0;
+    for (label i = 0; i < some; ++i)
     {
         heaviest = max(heaviest, drawn(i).mass);
     }

@@ -7,6 +7,7 @@
 
 #include "feed/SizeDistribution.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
 #include "scalarList.H"
 
 #include <stdexcept>
@@ -30,12 +31,17 @@ std::vector<double> readNumbers(const dictionary& dict, const word& entry)
 laws::CumulativeCurve statedCurve(const dictionary& dict)
 {
     const word type(dict.get<word>("type"));
+    wordList entries{"type", "weighting"};
     if (type == "fixedValue")
     {
+        entries.append("value");
+        requireEntries(dict, entries);
         return laws::single(dict.get<scalar>("value"));
     }
     if (type == "table")
     {
+        entries.append(wordList({"diameters", "cumulative"}));
+        requireEntries(dict, entries);
         return laws::sieved
         (
             readNumbers(dict, "diameters"), readNumbers(dict, "cumulative")
@@ -56,10 +62,13 @@ laws::CumulativeCurve statedCurve(const dictionary& dict)
         );
     }
     std::vector<double> parameters;
+    entries.append(wordList({"min", "max"}));
     for (const char* name : law->parameters)
     {
         parameters.push_back(dict.get<scalar>(name));
+        entries.append(name);
     }
+    requireEntries(dict, entries);
     return laws::truncated
     (
         *law, parameters.data(), dict.get<scalar>("min"), dict.get<scalar>("max")

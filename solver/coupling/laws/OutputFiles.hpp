@@ -9,4 +9,9 @@ constexpr const char* particleColumns =
     "time_s,outlet,material,id,diameter_m,density_kg_m3,n_particle,"
     "ux_m_s,uy_m_s,uz_m_s,residence_time_s";
 
+/// Columns of gas.csv in postProcessing/gas/TIME.
+constexpr const char* gasColumns =
+    "time_s,patch,area_m2,volume_flow_m3_s,mass_flow_kg_s,velocity_m_s,pressure_pa,"
+    "asked_volume_flow_m3_s";
+
 } // namespace elutria::laws

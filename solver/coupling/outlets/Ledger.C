@@ -163,7 +163,7 @@ void Ledger::writeInside(const UList<Row>& rows) const
 }
 
 
-void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
+void Ledger::writeLedger(const scalar time, const List<Amount>& inside)
 {
     const label nMaterials = feed_.materials().size();
     const label nProducts = feed_.products().size();
@@ -185,7 +185,8 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
             << ", \"mass_kg\": " << a.mass << "}";
     };
 
-    // injected - outlets - inside; the mass of no parcels is no mass
+    // injected - outlets - inside; the mass of no parcels is no mass. Returns
+    // what is lost
     const auto account = [&]
     (
         std::ostream& os,
@@ -220,6 +221,7 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
         os << ", \"lost\": ";
         show(os, lost);
         os << ", \"mass_closure_error\": " << error << "}";
+        return lost;
     };
 
     writeWhole
@@ -236,7 +238,7 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
             os  << std::setprecision(15) << "{\n  \"time_s\": " << time
                 << ",\n  \"seed\": " << feed_.seedEntry()
                 << ",\n  \"total\": ";
-            account(os, total(injected_), outlets, total(inside));
+            lost_ = account(os, total(injected_), outlets, total(inside));
             os << ",\n  \"materials\": {";
             for (label m = 0; m < nMaterials; ++m)
             {
@@ -355,6 +357,17 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
     }
     writeInside(still);
     writeLedger(time, insideAmounts);
+}
+
+
+scalar Ledger::injectedMass() const
+{
+    scalar mass = 0;
+    for (const Amount& a : injected_)
+    {
+        mass += a.mass;
+    }
+    return mass;
 }
 
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/Warning.hpp"
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -27,7 +29,7 @@ struct StepReport
     std::size_t listBuilds = 0;          // neighbour lists made
     double largestOverlap = 0;           // over the smaller radius, seen during the call
     std::size_t bytes = 0;               // memory held by the engine
-    std::vector<std::string> warnings;   // one line each
+    std::vector<Warning> warnings;
 };
 
 } // namespace elutria::dem

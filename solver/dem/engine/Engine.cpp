@@ -118,17 +118,20 @@ void warn(const Settings& settings, StepReport& report, bool& warnedOfSeparation
 {
     if (report.largestOverlap > settings.largestOverlap)
     {
-        report.warnings.push_back("The largest overlap is " + text(100*report.largestOverlap)
-            + " % of a particle's radius (recommended: at most "
-            + text(100*settings.largestOverlap) + " %). Contacts are too soft for these speeds: raise "
-            "youngsModulus or normalStiffness; or particles were inserted into each other.");
+        report.warnings.push_back({"overlap", "contacts are too soft for these speeds",
+            "overlap of " + text(100*report.largestOverlap) + " % of a particle's radius, allowed: "
+            + text(100*settings.largestOverlap) + " %",
+            "raise youngsModulus or normalStiffness, unless particles were inserted into each other",
+            report.largestOverlap});
     }
     if (report.separated > 0 && !warnedOfSeparation)
     {
         warnedOfSeparation = true;
-        report.warnings.push_back("Overlaps of particles with each other or with a wall, without an "
-            "existing contact, were separated: " + std::to_string(report.separated)
-            + ". Likely cause: the feed inserts particles into each other or into a wall.");
+        report.warnings.push_back({"separated",
+            "particles that overlapped each other or a wall without a contact were separated",
+            std::to_string(report.separated) + " of them in a step",
+            "widen the feed's patch or zone: it inserts particles into each other or into a wall",
+            double(report.separated)});
     }
 }
 

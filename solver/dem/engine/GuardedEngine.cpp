@@ -88,15 +88,17 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
     const Settings settings = engine_->settings();
-    std::vector<std::string> warnings;
+    std::vector<Warning> warnings;
     if (settings.step > 0 && particles.size() > 0)
     {
         const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
         if (settings.step > most)
         {
-            warnings.push_back("The contact step of " + text(settings.step) + " s is above "
-                + text(largestFraction_) + " of the shortest contact and is now " + text(most)
-                + " s. Set `step` to at most that, or leave it out.");
+            warnings.push_back({"contactStep", "the contact step asked for is too long",
+                text(settings.step) + " s, allowed: " + text(most) + " s, "
+                + text(largestFraction_) + " of the shortest contact",
+                "set step of cellListCoeffs to at most that, or leave it out",
+                settings.step/most});
             refine(most/settings.step, history);
         }
     }
@@ -129,8 +131,9 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             && kineticEnergy(particles) > 0.5*firstEnergy)
         {
             // Smaller steps give the same: overlaps that the call was given
-            warnings.push_back(trouble + ", at any sub-step. Likely cause: particles are inserted "
-                               "into each other or into a wall.");
+            warnings.push_back({"contactEnergy", "contacts are not sound at any sub-step", trouble,
+                "widen the feed's patch or zone: it inserts particles into each other or into a wall",
+                1.0});
             reset(settings);
             trouble.clear();
         }
@@ -141,10 +144,12 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             contacts_ = report.touching + report.wallTouching;
             report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
             if (attempt > 0 && attempt < retakes)
-                report.warnings.push_back("A step of the contacts was rejected and repeated with "
-                    "sub-steps of 1/" + std::to_string(1 << attempt)
-                    + "; these stay. Set `stepFraction` to "
-                    + text(engine_->settings().stepFraction) + " or less from the start.");
+                report.warnings.push_back({"contactRetaken",
+                    "a step of the contacts was rejected and repeated with smaller ones",
+                    "sub-steps of 1/" + std::to_string(1 << attempt) + ", which stay",
+                    "set stepFraction of cellListCoeffs to "
+                    + text(engine_->settings().stepFraction) + " or less",
+                    double(1 << attempt)});
             return report;
         }
         particles = before;

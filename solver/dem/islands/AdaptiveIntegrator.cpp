@@ -88,10 +88,12 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
             case Outcome::contactsRule:
                 states_.store(particles);
                 if (workLeft_ < 0)
-                    report.warnings.push_back("Impacts and contacts of a step took more than "
-                        + text(mostOverSoft) + " times the work of contact steps for all: the rest "
-                        "of it took those, in which parcels that stand for several particles do not "
-                        "collide. Lower deltaT, or feed fewer particles.");
+                    report.warnings.push_back({"stepWork",
+                        "impacts and contacts of a step were too much work: contact steps took the "
+                        "rest of it, in which parcels that stand for several particles do not "
+                        "collide",
+                        "more than " + text(mostOverSoft) + " times the work of contact steps for all",
+                        "lower deltaT, or feed fewer particles", 1 - done/whole});
                 return runSoft(particles, duration*(1 - done/whole), report);
             case Outcome::done:
                 done += length;

@@ -1,4 +1,4 @@
-"""Outlets that let nothing out, and ways out that are no outlet."""
+"""Products and their patches, as the tool reads them; what is open or closed the solver says."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from elutria.cli import main
 from elutria.errors import InputError
 
 
-def with_type(column: Path, patch: str, kind: str) -> Case:
-    """The column with a patch of another type in its blockMeshDict."""
-    plan = column / "system/blockMeshDict"
-    head, rest = plan.read_text().split(f"    {patch}", 1)
-    before, after = rest.split("type ", 1)
-    plan.write_text(f"{head}    {patch}{before}type {kind};{after.split(';', 1)[1]}")
+def with_outlets(column: Path, text: str) -> Case:
+    """The column with other products."""
+    feed = column / "constant/feed"
+    old = "coarse          (bottom);"
+    assert feed.read_text().count(old) == 1
+    feed.write_text(feed.read_text().replace(old, text))
     return Case(column)
 
 
@@ -24,32 +24,27 @@ def test_the_default_column_is_as_it_must_be(column: Path) -> None:
     assert Case(column).feed().outlets == {"fines": ["top"], "coarse": ["bottom"]}
 
 
-@pytest.mark.parametrize("kind", ["wall", "symmetryPlane", "cyclic"])
-def test_an_outlet_that_is_closed(column: Path, kind: str) -> None:
-    case = with_type(column, "bottom", kind)
-    with pytest.raises(InputError) as refused:
+def test_a_third_product_takes_what_is_neither(column: Path) -> None:
+    case = with_outlets(column, "coarse (bottom); other (feedSlot);")
+    assert case.feed().outlets["other"] == ["feedSlot"]
+
+
+def test_a_patch_in_two_products_is_refused(column: Path) -> None:
+    case = with_outlets(column, "coarse (bottom); other (top);")
+    with pytest.raises(InputError, match=r"outlets/other: .* not in fines too"):
         case.feed()
-    assert "constant/feed: outlets/coarse: 'bottom' has the type" in str(refused.value)
-    assert f"type {kind} in system/blockMeshDict" in str(refused.value)
-    assert "allowed: a patch of type patch" in str(refused.value)
 
 
-def test_check_refuses_an_open_patch_without_a_product(
+def test_check_says_what_the_solver_says_of_an_open_patch(
     column: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with_type(column, "feedSlot", "patch")
+    plan = column / "system/blockMeshDict"
+    head, rest = plan.read_text().split("    feedSlot", 1)
+    plan.write_text(head + "    feedSlot" + rest.replace("wall", "patch", 1))
     with pytest.raises(SystemExit) as end:
         main(["check", str(column)])
     said = capsys.readouterr().err
     assert end.value.code == 2
     assert said.count("\n") == 1
-    assert "constant/feed: outlets: the open patch 'feedSlot'" in said
-    assert "allowed: its name in fines or coarse, or the type wall" in said
-
-
-def test_a_patch_interaction_may_turn_particles_back_at_an_open_patch(column: Path) -> None:
-    case = with_type(column, "feedSlot", "patch")
-    cloud = column / "constant/kinematicCloudProperties"
-    text = cloud.read_text()
-    cloud.write_text(text.replace("Model standardWallInteraction;", "Model localInteraction;"))
-    case.feed()
+    assert "constant/feed" in said
+    assert "the open patch feedSlot belongs to no product" in said

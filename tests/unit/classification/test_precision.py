@@ -74,4 +74,4 @@ def test_a_sweep_runs_replicates_until_it_is_precise_and_none_twice(
 @pytest.mark.usefixtures("fake_solver")
 def test_what_stays_imprecise_is_said(column: Path, tmp_path: Path) -> None:
     result = sweep(column, tmp_path / "out", "5", precision=Precision(0.002, most_runs=2))
-    assert result.imprecise == [5.0]
+    assert result.imprecise == ["5 m/s"]

@@ -14,35 +14,11 @@ from matplotlib.text import Text
 
 from elutria import tables
 from elutria.classification.classify import Classification, classify
-from elutria.classification.curves import MODELS
-from elutria.classification.events import Account, Events, Run
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
 from elutria.output.partition_figure import class_mean
 from elutria.output.style import looks
-from elutria.output.terminal import absent_notes, inside_notes
-
-MATERIALS = {"quartz": (2650.0, 100e-6), "magnetite": (5200.0, 70e-6)}
-
-
-def synthetic(velocity: float, materials: list[str], number: int = 800) -> Run:
-    random = np.random.default_rng(int(velocity * 10))
-    name = random.choice(materials, number)
-    diameter = random.lognormal(np.log(600e-6), 0.45, number)
-    cut = np.array([MATERIALS[m][1] for m in name]) * velocity
-    coarse = random.random(number) < MODELS[0].share(diameter / cut, 2.0)
-    events = Events(
-        material=name,
-        outlet=np.where(coarse, "coarse", "fines"),
-        diameter=diameter,
-        density=np.array([MATERIALS[m][0] for m in name]),
-        number=np.ones(number),
-        time=np.zeros(number),
-    )
-    fed = (float(number), float(events.mass.sum()))
-    none = (0.0, 0.0)
-    account = Account(fed, {"fines": none, "coarse": fed}, none, none)
-    return Run(events, {**dict.fromkeys(materials, account), "all": account})
+from tests.support.synthetic import MATERIALS, synthetic
 
 
 @cache
@@ -245,29 +221,14 @@ def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
     assert np.all(np.diff(share) >= 0)
 
 
-def test_what_did_not_leave_is_said() -> None:
-    run = synthetic(5.0, ["quartz"])
-    assert inside_notes(classify(run, 5.0, 1.0).partition) == []
-    hovering = (run.events.diameter > 480e-6) & (run.events.diameter < 520e-6)
-    run.events.outlet[hovering] = "inside"
-    (line,) = inside_notes(classify(run, 5.0, 1.0).partition)
-    assert "5 m/s" in line
-    assert "still in the column" in line
-    assert "um" in line
-    # half of ln(520/480)
-    assert float(line.split("shift by up to ")[1].split(" %")[0]) == pytest.approx(4, abs=0.6)
-
-
-def test_a_size_that_the_curve_does_not_reach_is_said() -> None:
-    run = synthetic(5.0, ["quartz"])
-    tables = classify(run, 5.0, 1.0)
-    assert absent_notes(tables.summary, tables.curves) == []
-    run.events.outlet[::2] = "coarse"  # a bypass of a half
-    tables = classify(run, 5.0, 1.0)
-    assert np.isnan(tables.summary[0]["d25_m"])
-    (line,) = absent_notes(tables.summary, tables.curves)
-    assert line.startswith("5 m/s, quartz: no d25")
-    assert "100 % of 3000 um" in line
-    finest = 100 * tables.curves[0]["partition_to_coarse"]
-    assert float(line.split("left: ")[1].split(" %")[0]) == pytest.approx(finest, rel=1e-2)
-    assert finest > 25
+def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> None:
+    folder = results(tmp_path, [4.0, 5.0], ["quartz"])
+    summary = read_csv(folder / "summary.csv", ["gas_velocity_m_s", "warnings"])
+    figure = Figure()
+    plots._caption(figure, summary)
+    assert not [text for text in figure.findobj(Text) if text.get_text()]
+    for row in summary:
+        row["warnings"] = 2.0 if row["gas_velocity_m_s"] == 4 else 0.0
+    plots._caption(figure, summary)
+    (said,) = [text.get_text() for text in figure.findobj(Text) if text.get_text()]
+    assert said.endswith(": 4 m/s")

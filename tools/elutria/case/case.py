@@ -31,15 +31,11 @@ from elutria.physics.laws import drag_title
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
-CLOSED = (
-    "wall", "symmetry", "symmetryPlane", "empty", "wedge", "cyclic", "cyclicAMI", "cyclicACMI",
-)  # fmt: skip
-"""Types of patches through which nothing leaves."""
 
 # what a run leaves behind, not part of the case
 _LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
                 "*.png", "*.svg", "*.pdf", "*.csv", "*.vtu", "*.pvd", "elutria.json",
-                "finished.json", "report.html", "atlas.html", "VTK",
+                "finished.json", "report.html", "atlas.html", "warnings.json", "VTK",
                 "progress.txt", "dynamicCode", "settledGas", ".git*")  # fmt: skip
 
 
@@ -101,26 +97,7 @@ class Case:
                     f"{shown}: {entry}: no patch '{patch}' in {source}"
                     f"{suggestion(patch, patches)}; allowed: {', '.join(patches)}"
                 )
-            kind = patches.get(patch, "")
-            if entry != "patch" and kind in CLOSED:
-                raise InputError(
-                    f"{shown}: {entry}: '{patch}' has the type {kind} in {source}, through which "
-                    "nothing leaves; allowed: a patch of type patch"
-                )
-        without = set(patches) - {patch for entry, patch in named if entry != "patch"}
-        for patch in sorted(without):
-            if patches[patch] == "patch" and self._leave_where_open():
-                raise InputError(
-                    f"{shown}: outlets: the open patch '{patch}' of {source} belongs to no "
-                    "product, and particles that leave through it would be lost; allowed: its "
-                    "name in fines or coarse, or the type wall in the mesh"
-                )
         return feed
-
-    def _leave_where_open(self) -> bool:
-        """Whether particles leave through every open patch: no model turns them back there."""
-        models = self.cloud().sub("subModels")
-        return models.raw("patchInteractionModel", "none") in ("none", "standardWallInteraction")
 
     def velocity(self) -> float:
         """Gas velocity (m/s) of system/simulationParameters: finite, above 0."""

@@ -128,11 +128,16 @@ def _read_seed(entries: Dictionary) -> int:
 
 
 def _read_outlets(entries: Dictionary) -> dict[str, list[str]]:
-    entries.refuse_unknown(("fines", "coarse"))
-    outlets = {product: entries.words(product) for product in ("fines", "coarse")}
-    for patch in outlets["fines"]:
-        if patch in outlets["coarse"]:
-            raise entries.refuse("coarse", f"patches that are not in fines too ('{patch}' is)")
+    names = ("fines", "coarse", "other")
+    entries.refuse_unknown(names)
+    given = [name for name in names if name != "other" or name in entries]
+    outlets = {product: entries.words(product) for product in given}
+    taken: dict[str, str] = {}
+    for product, patches in outlets.items():
+        for patch in patches:
+            if taken.setdefault(patch, product) != product:
+                other = f"patches that are not in {taken[patch]} too ('{patch}' is)"
+                raise entries.refuse(product, other)
     return outlets
 
 

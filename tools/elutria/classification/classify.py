@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from elutria import tables
 from elutria.classification.events import Events, Run
 from elutria.classification.fit import LEVELS, PartitionFit, fit_partition
+from elutria.classification.notes import notes
 from elutria.classification.partition import Cut, SizeClass, class_limits, partition_table
 from elutria.classification.products import product_rows
 from elutria.files import write_csv
+from elutria.warned import Warned
 
 Row = dict[str, Any]
 
@@ -40,6 +42,11 @@ class Classification:
                 row.update(values)
         return self
 
+    @property
+    def notes(self) -> list[Warned]:
+        """What a user must know of these rows, which are of one velocity."""
+        return notes(self.summary, self.partition, self.curves)
+
     def extend(self, other: Classification) -> None:
         """Append another point's rows."""
         self.summary += other.summary
@@ -57,8 +64,11 @@ class Classification:
         write_csv(folder / "summary.csv", (*tables.SUMMARY, *self.axes), self.summary)
 
 
-def classify(run: Run, velocity: float, wall_time: float) -> Classification:
-    """All rows of one velocity (m/s): each material and `all`. `wall_time` in s."""
+def classify(run: Run, velocity: float, wall_time: float, warned: int = 0) -> Classification:
+    """All rows of one velocity (m/s): each material and `all`. `wall_time` in s.
+
+    `warned`: the warnings that the solver has of it; those of the rows themselves are added.
+    """
     result = Classification()
     names = [name for name in run.accounts if name != "all"]
     fits = {name: fit_events(run.events.of_material(name)) for name in names}
@@ -76,6 +86,8 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
         result.partition += [{**key, **_partition(entry)} for entry in table]
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
         result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
+    for summary in result.summary:
+        summary["warnings"] = warned + len(result.notes)
     return result
 
 

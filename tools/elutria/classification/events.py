@@ -27,7 +27,9 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 PRODUCTS = ("fines", "coarse")
-PLACES = (*PRODUCTS, "inside")
+OTHER = "other"
+"""What leaves through patches of neither product: the curve leaves it out."""
+PLACES = (*PRODUCTS, OTHER, "inside")
 _TYPES: dict[str, Any] = {
     **dict.fromkeys(tables.EVENTS, "float64"),
     "outlet": "category",
@@ -41,8 +43,8 @@ class Events:
     """Parcels as columns of one length (n,), SI units; 34 bytes a parcel.
 
     `material` and `outlet` are categories, given as such or as an array of names. `outlet` is
-    ``fines``, ``coarse`` or ``inside``; `number` is how many particles a parcel stands for; `time`
-    is when it entered, of joined runs one after the other.
+    ``fines``, ``coarse``, ``other`` or ``inside``; `number` is how many particles a parcel stands
+    for; `time` is when it entered, of joined runs one after the other.
     """
 
     material: pd.Categorical
@@ -70,8 +72,13 @@ class Events:
 
     @property
     def has_left(self) -> Flags:
-        """Whether each parcel left (is not inside)."""
-        return np.asarray(self.outlet != "inside")
+        """Whether each parcel left with a product of the curve."""
+        return np.asarray(self.outlet.isin(PRODUCTS))
+
+    @property
+    def is_inside(self) -> Flags:
+        """Whether each parcel is inside."""
+        return np.asarray(self.outlet == "inside")
 
     @property
     def is_coarse(self) -> Flags:
@@ -101,10 +108,10 @@ class Account:
 
     @property
     def mass_closure_error(self) -> float:
-        """(fed - left - inside - lost)/fed by mass; 0 when nothing was fed."""
+        """|fed - left - inside|/fed by mass, as the ledger has it; 0 when nothing was fed."""
         left = sum(mass for _, mass in self.outlets.values())
         fed = self.injected[1]
-        return (fed - left - self.inside[1] - self.lost[1]) / fed if fed > 0 else 0.0
+        return abs(fed - left - self.inside[1]) / fed if fed > 0 else 0.0
 
 
 @dataclass(frozen=True)

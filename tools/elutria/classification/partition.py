@@ -115,7 +115,7 @@ def partition_table(events: Events, limits: Array) -> list[SizeClass]:
                 diameter=_mean_diameter(events.diameter[here], mass[here]),
                 fines=total - heavy,
                 coarse=heavy,
-                inside=float(mass[here & ~events.has_left].sum()),
+                inside=float(mass[here & events.is_inside].sum()),
                 share=share,
                 share_low=wilson(share, number)[0],
                 share_high=wilson(share, number)[1],

@@ -74,11 +74,14 @@ def _setting(case: Case, plan: dict[str, Any]) -> Table:
         table.add_row(f"{outlet['product']} leave through", patches, "constant/feed")
     patches = ", ".join(f"{patch['name']} ({patch['type']})" for patch in plan["mesh"]["patches"])
     table.add_row("patches", patches, "the mesh")
-    table.add_row("feed", f"{feed['rate_kg_s'] * 1e3:.3g} g/s", "constant/feed")
-    table.add_row(
-        "", f"{feed['particles_per_s']:.3g} particles per s, {feed['particles_per_parcel']:.3g} "
-        "a parcel on average", "",
-    )  # fmt: skip
+    rate = feed["rate_kg_s"]
+    grams = _known(None if rate is None else 1e3 * rate, "{:.3g} g/s")
+    table.add_row("feed", grams, "constant/feed")
+    if rate is not None:
+        table.add_row(
+            "", f"{feed['particles_per_s']:.3g} particles per s, "
+            f"{feed['particles_per_parcel']:.3g} a parcel on average", "",
+        )  # fmt: skip
     table.add_row("fed", f"from {feed['start_s']:g} s to {feed['end_s']:g} s", "constant/feed")
     if feed["parcels"] is not None:
         more = feed["parcels"] > feed["parcels_asked"]
@@ -134,7 +137,7 @@ def _limits(plan: dict[str, Any]) -> Table:
     )  # fmt: skip
     table.add_row(
         "fastest settling", f"{expected['fastest_settling_m_s']:.3g} m/s",
-        f"the gas: {plan['gas']['superficial_m_s']:.3g} m/s",
+        "the gas: " + _known(plan["gas"]["superficial_m_s"], "{:.3g} m/s"),
     )  # fmt: skip
     return table
 

@@ -35,7 +35,9 @@ class Results:
 
 def read_results(folder: Path) -> Results:
     """The tables of RESULTS. Raises InputError when they are not there."""
-    summary = read_csv(folder / "summary.csv", tables.SUMMARY)
+    # of results of before warnings were counted, too
+    columns = [name for name in tables.SUMMARY if name != "warnings"]
+    summary = read_csv(folder / "summary.csv", columns)
     partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
@@ -81,7 +83,18 @@ def figures(results: Results) -> dict[str, tuple[Figure, list[str], list[Row]]]:
     }
     if contours is not None:
         drawn["contours"] = (contours, [*own, *tables.CONTOUR_FIGURE], results.summary)
+    for figure, *_ in drawn.values():
+        _caption(figure, settings, results.summary)
     return drawn
+
+
+def _caption(figure: Figure, settings: Settings, summary: list[Row]) -> None:
+    """Below a figure: which runs have warnings."""
+    warned = {settings.of(row) for row in summary if row.get("warnings", 0) > 0}
+    if warned:
+        runs = ", ".join(settings.label(one) for one in settings.all if one in warned)
+        said = f"With warnings (warnings.json of the runs): {runs}"
+        figure.supxlabel(said, fontsize=6, color="0.35", wrap=True)
 
 
 def optional(path: Path, columns: tuple[str, ...]) -> list[Row]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import log
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -134,6 +132,8 @@ def _main_columns(rows: Sequence[Row]) -> list[TableColumn]:
     ]
     if any(row["particles_lost"] != 0 for row in rows):
         columns.append(("lost\nnumber", lambda row: f"{row['particles_lost']:.12g}"))
+    if any(row.get("warnings", 0) for row in rows):
+        columns.append(("warnings\nnumber", lambda row: f"{row.get('warnings', 0):.0f}"))
     return columns
 
 
@@ -165,59 +165,8 @@ def count(number: float) -> str:
     return f"{number:.0f}"
 
 
-def inside_notes(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[str]:
-    """A line for each velocity at which what had not left is more than `limit` of the feed's mass,
-    or leaves d50 open by more than that: were all of it coarse, or all of it fines."""
-    notes = []
-    rows = [row for row in partition if row["material"] == "all"]
-    for given in dict.fromkeys(map(tables.setting, rows)):
-        here = [row for row in rows if tables.setting(row) == given]
-        share = sum(row["inside_kg"] for row in here) / sum(row["feed_kg"] for row in here)
-        shift = 0.5 * sum(
-            row["inside_kg"] / row["feed_kg"] * log(row["diameter_high_m"] / row["diameter_low_m"])
-            for row in here
-            if row["inside_kg"] > 0
-        )
-        if max(share, shift) > limit:
-            worst = max(here, key=lambda row: row["inside_kg"])
-            notes.append(
-                f"{tables.title(here[0])}: {100 * share:.2g} % of the feed's mass is still in the "
-                f"column, most of it near {worst['diameter_m'] * 1e6:.3g} um. The curve leaves it "
-                f"out; d50 may shift by up to {100 * shift:.2g} %. Increase drainTime in "
-                "constant/feed."
-            )
-    return notes
-
-
-def absent_notes(
-    summary: Iterable[Mapping[str, Any]], curves: Iterable[Mapping[str, Any]]
-) -> list[str]:
-    """A line for each curve that lacks d25, d50 or d75, with where it begins and ends."""
-    notes = []
-    summary, curves = list(summary), list(curves)
-    alone = len({row["material"] for row in summary} - {"all"}) == 1
-    for row in summary:
-        if alone and row["material"] == "all":
-            continue
-        absent = [name for name in ("d25", "d50", "d75") if row[f"{name}_m"] != row[f"{name}_m"]]
-        curve = [
-            point
-            for point in curves
-            if point["material"] == row["material"] and tables.setting(point) == tables.setting(row)
-        ]
-        if absent and curve:
-            size, share = ([point[name] for point in (curve[0], curve[-1])]
-                           for name in ("diameter_m", "partition_to_coarse"))  # fmt: skip
-            notes.append(
-                f"{tables.title(row)}, {row['material']}: no {', '.join(absent)} "
-                f"within the sizes that left: {100 * share[0]:.3g} % of {micrometres(size[0])} um "
-                f"and {100 * share[1]:.3g} % of {micrometres(size[1])} um go to coarse"
-            )
-    return notes
-
-
 def micrometres(value: float) -> str:
-    """A size in um with four digits; `-` where it is not known."""
+    """A length (m) in um to four digits."""
     return "-" if value != value else f"{value * 1e6:.4g}"
 
 

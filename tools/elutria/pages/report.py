@@ -22,7 +22,6 @@ from elutria.output.partition_figure import compared
 from elutria.output.plots import Results, figures, optional, read_results
 from elutria.output.settings import Row, materials_of
 from elutria.output.style import MATERIAL_COLOURS, STYLE, looks
-from elutria.output.terminal import absent_notes, inside_notes
 from elutria.pages.geometry import outline_figure, read_outline
 from elutria.pages.runs import RunFolder, find_runs
 from elutria.pages.svg import inline_svg
@@ -84,9 +83,6 @@ def content(folder: Path, results: Results, runs: list[RunFolder]) -> dict[str, 
         "decisions": decisions(runs),
         "needed": [{"run": run.name, "rows": run.log.needed} for run in runs if run.log.needed],
         "warnings": _warnings(runs),
-        "notes": [
-            *inside_notes(results.partition), *absent_notes(results.summary, results.curves)
-        ],
         "ledger": [_ledger(run, settings.label(run.setting)) for run in runs],
         "seconds": [
             {"run": run.name, "label": settings.label(run.setting), "seconds": run.wall_time}

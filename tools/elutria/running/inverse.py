@@ -46,7 +46,7 @@ def answer(
     known = _known(folder, asked, case) if results.before else []
     best, cuts = search(asked, known, run, case)
     if not made.summary:
-        made, _ = results.write_tables({})
+        made, *_ = results.write_tables({})
     value, low, high = interval(asked, cuts, best, case)
     unit = "m/s" if asked.name == VELOCITY else asked.name
     return [

@@ -10,13 +10,15 @@ from typing import Any
 
 from elutria.case.case import SEED, VELOCITY, Case, Setting
 from elutria.classification.classify import Classification, classify
-from elutria.classification.events import join, read_run
+from elutria.classification.events import Run, join, read_run
 from elutria.errors import InputError
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json
 from elutria.running.axes import Point, number_or_word, own_value, same_value
+from elutria.running.gas import label_warnings, write_gas
 from elutria.running.marker import FINISHED, SWEEP, Identity, Marker, open_results
 from elutria.running.run import wall_time
+from elutria.warned import Warned, set_tool_warnings, solver_warnings
 
 
 class Results:
@@ -75,21 +77,33 @@ class Results:
             tuple(sorted(others.items())),
         )
 
-    def write_tables(self, failures: Mapping[str, str]) -> tuple[Classification, dict[str, str]]:
-        """The tables of all complete runs, written; and by name what could not be read."""
+    def write_tables(
+        self, failures: Mapping[str, str]
+    ) -> tuple[Classification, dict[str, str], dict[str, list[Warned]]]:
+        """The tables of all complete runs, written; by name what could not be read, and warnings.
+
+        A run's warnings.json gets those of its tables; those of replicates together are in each.
+        """
         runs, unreadable = self.finished(), {}
+        warnings: dict[str, list[Warned]] = {}
         axes = _axes(runs)
         tables = Classification(axes=tuple(axes))
         for point, folders in runs.items():
             try:
                 run = join([read_run(folder) for folder in folders])
                 seconds = sum(wall_time(folder) for folder in folders)
-                rows = classify(run, point.velocity, seconds)
+                rows = _classified(point, folders, run, seconds, warnings)
             except InputError as error:
                 unreadable[point.title] = str(error)
                 continue
             tables.extend(rows.with_settings(self._values(point, axes)))
         tables.write(self.folder)
+        write_gas(
+            self.folder,
+            [({"gas_velocity_m_s": point.velocity, **self._values(point, axes)}, folder)
+             for point, folders in runs.items() for folder in folders],
+            axes,
+        )  # fmt: skip
         if runs:
             write_theory(self.case, [point.velocity for point in runs], self.folder)
         content = {
@@ -101,7 +115,7 @@ class Results:
             "failed": {**failures, **unreadable},
         }  # fmt: skip
         write_json(self.folder / SWEEP, content)
-        return tables, unreadable
+        return tables, unreadable, warnings
 
     def _values(self, point: Point, axes: Iterable[str]) -> dict[str, float | str]:
         """The value that a point has for each axis, its own or the case's."""
@@ -111,6 +125,20 @@ class Results:
     @cached_property
     def _own(self) -> Mapping[str, str]:
         return _OwnValues(self.case)
+
+
+def _classified(
+    point: Point, folders: list[Path], run: Run, seconds: float, warnings: dict[str, list[Warned]]
+) -> Classification:
+    """The rows of a point's runs, with its warnings added to `warnings` and to the runs' files."""
+    labels = label_warnings(folders[0], point.velocity)
+    solvers = [solver_warnings(folder) for folder in folders]
+    rows = classify(run, point.velocity, seconds, sum(map(len, solvers)) + len(labels))
+    own = [*labels, *rows.notes]
+    for folder in folders:
+        set_tool_warnings(folder, own)
+    warnings[point.title] = [*(warning for some in solvers for warning in some), *own]
+    return rows
 
 
 class _OwnValues(dict[str, str]):

@@ -173,7 +173,8 @@ def _solve_and_mark(folder: Path, marker: Marker, on_step: Callable[[float, Step
     from elutria.classification.events import read_run  # pandas, which a check does not need
 
     copy = Case(folder)
-    solve(folder, marker.np, _goal(copy, copy.feed()), on_step)
+    watched = _watched(copy, copy.velocity(), on_step)
+    solve(folder, marker.np, _goal(copy, copy.feed()), watched)
     read_run(folder)  # complete, or not finished
     content = {
         "inputs": marker.inputs,
@@ -181,6 +182,25 @@ def _solve_and_mark(folder: Path, marker: Marker, on_step: Callable[[float, Step
         "wall_time_s": round(marker.spent_s + now() - marker.started, 3),
     }
     write_json(folder / FINISHED, content)
+
+
+def _watched(
+    case: Case, velocity: float, on_step: Callable[[float, Step], None]
+) -> Callable[[float, Step], None]:
+    """`on_step`, which ends the run at its first step where the gas has settled at another velocity
+    (m/s) than the run is called after."""
+    from elutria.running.gas import require_found
+
+    compared = False
+
+    def watch(share: float, step: Step) -> None:
+        nonlocal compared
+        if not compared and (case.path / PLAN).is_file():
+            compared = True
+            require_found(case.path, velocity, read_plan(case.path))
+        on_step(share, step)
+
+    return watch
 
 
 def read_plan(folder: Path) -> dict[str, Any]:
@@ -192,16 +212,31 @@ def read_plan(folder: Path) -> dict[str, Any]:
 def ask_plan(case: Case) -> dict[str, Any]:
     """The plan of a case, of a meshed copy of it; nothing is run. Raises InputError with the reason
     of the mesher or the solver where one of them refuses the case."""
+    return plans(case, [[]])[0]
+
+
+def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, Any]]:
+    """The plans of a case with each of several settings, of one mesh: that of the first."""
     _need_programs(1)
+    found: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
-        copy = case.copy_to(Path(folder) / case.name, [])
-        try:
-            make_mesh(copy)
-            _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
-        except ElutriaError as error:
-            reason = re.sub(r" \(see [^)]*\)$", "", str(error))
-            raise InputError(reason.replace(str(copy.path), str(case.path))) from error
-        return read_plan(copy.path)
+        meshed = Path()
+        for number, chosen in enumerate(settings):
+            copy = case.copy_to(Path(folder) / str(number) / case.name, chosen)
+            try:
+                mesh = copy.path / "constant/polyMesh"
+                if number == 0:
+                    make_mesh(copy)
+                    meshed = mesh
+                elif meshed.is_dir():
+                    shutil.copytree(meshed, mesh, dirs_exist_ok=True)
+                _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
+            except ElutriaError as error:
+                reason = re.sub(r" \(see [^)]*\)$", "", str(error))
+                reason = reason.partition("elutria: failed: ")[2] or reason
+                raise InputError(reason.replace(str(copy.path), str(case.path))) from error
+            found.append(read_plan(copy.path))
+    return found
 
 
 @contextlib.contextmanager

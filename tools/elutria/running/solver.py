@@ -19,7 +19,7 @@ from elutria.files import writing_to
 from elutria.openfoam.started import started_in
 
 _STEP = re.compile(
-    r"elutria: time (\S+) fed (\d+) fines (\d+) coarse (\d+) inside (\d+) lost (\d+)"
+    r"elutria: time (\S+) fed (\d+) fines (\d+) coarse (\d+)(?: other \d+)? inside (\d+) lost (\d+)"
 )
 
 

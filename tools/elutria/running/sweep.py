@@ -23,9 +23,11 @@ from elutria.classification.precision import Precision
 from elutria.errors import ElutriaError, InputError
 from elutria.files import writing_to
 from elutria.running.axes import Point, seed_of
+from elutria.running.gas import require_acting_velocity
 from elutria.running.results import Results
 from elutria.running.run import is_finished, wall_time
 from elutria.running.worker import EVERY, Job, perform
+from elutria.warned import Warned
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class SweepResult:
     failures: dict[str, str] = field(default_factory=dict)
     skipped: int = 0
     imprecise: list[str] = field(default_factory=list)
+    warnings: dict[str, list[Warned]] = field(default_factory=dict)
 
 
 class Watcher(Protocol):
@@ -124,9 +127,13 @@ def run_sweep(
         results.folder.mkdir(parents=True, exist_ok=True)
     results.write_identity()
     result = SweepResult()
-    course = _Course(results.case, np, list(members), precision, result)
+    case = results.case
+    finished = [is_finished(m.folder, case.fingerprint(m.settings, np)) for m in members]
+    if not all(finished):
+        require_acting_velocity(case, [(m.point.velocity, m.settings) for m in members])
+    course = _Course(case, np, list(members), precision, result)
     _work_off(course, executor, watcher)
-    result.tables, unreadable = results.write_tables(result.failures)
+    result.tables, unreadable, result.warnings = results.write_tables(result.failures)
     result.failures |= unreadable
     return result
 

@@ -28,18 +28,13 @@ scalar rms(const volVectorField& field)
 }
 
 
-//- Is there a patch that gas could pass?
-bool isOpen(const fvMesh& mesh)
+//- Is there one that it could pass?
+bool hasOpening(const fvMesh& mesh)
 {
     bool open = false;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        open = open ||
-        (
-            !patch.coupled()
-         && !isA<wallPolyPatch>(patch)
-         && !polyPatch::constraintType(patch.type())
-        );
+        open = open || GasPhase::isOpen(patch);
     }
     return returnReduce(open, orOp<bool>());
 }
@@ -133,7 +128,7 @@ void GasPhase::correctPressure
         phiHbyA.primitiveFieldRef() +=
             flux.primitiveField() - fvc::flux(HbyA)().primitiveField();
     }
-    if (p_.needReference() && isOpen(mesh_))
+    if (p_.needReference() && hasOpening(mesh_))
     {
         adjustPhi(phiHbyA, U_, p_);
     }
@@ -321,6 +316,7 @@ GasPhase::GasPhase
     requirePositive("nu", gMin(transport_.nu()().primitiveField()), transport_);
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
+    updateInlets();
     keepBoundaries();
 }
 

@@ -10,6 +10,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "gas/GasPhase.H"
+#include "foam/Warnings.H"
 
 namespace Foam
 {
@@ -98,9 +99,12 @@ void GasPhase::startFromSettled()
     const scalar ratio = inflow(phi_)/max(before, VSMALL);
     if (!(ratio > 1e-3 && ratio < 1e3))
     {
-        Info<< "    Warning: " << header.objectPath() << " is ignored: it is"
-            << " of another mesh or of a gas at rest; remove it, or write it"
-            << " anew with -keepSettled" << endl;
+        Warnings::add
+        ({
+            "settledGas", "constant/settledGas is ignored",
+            "it is of another mesh or of a gas at rest",
+            "remove it, or write it anew with -keepSettled", 0
+        });
         return;
     }
 

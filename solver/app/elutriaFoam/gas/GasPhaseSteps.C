@@ -14,6 +14,7 @@ Description
 #include "gas/GasClock.H"
 #include "gas/GasState.H"
 #include "foam/UnsoundStep.H"
+#include "foam/Warnings.H"
 #include "profiling.H"
 
 namespace Foam
@@ -31,6 +32,21 @@ constexpr scalar largestDiffusion = 10;
 
 //- Parts of a window: beyond them its gas is nearly steady anyway
 constexpr label mostSteps = 64;
+
+//- In which a gas at rest begins to flow where pressure drives it
+constexpr label mostStepsToStart = 1000;
+
+//- Share of a passage that is a step then
+constexpr scalar largestPassage = 0.1;
+
+
+std::string digits(const scalar value)
+{
+    OStringStream text;
+    text.precision(3);
+    text<< value;
+    return text.str();
+}
 
 } // End anonymous namespace
 
@@ -81,10 +97,14 @@ void GasPhase::warnOfViscosity(const scalar dt) const
     const scalar most = gMax(diffused);
     if (most > largestDiffusion)
     {
-        Info<< "    Warning: viscosity diffuses momentum over " << sqrt(most)
-            << " cells in a gas step of " << dt << " s, allowed: "
-            << sqrt(largestDiffusion) << "; set deltaT to at most "
-            << largestDiffusion/most*dt << " s" << endl;
+        Warnings::add
+        ({
+            "viscosity", "viscosity diffuses momentum over many cells in a step",
+            digits(sqrt(most)) + " cells in a gas step of " + digits(dt)
+          + " s, allowed: " + digits(sqrt(largestDiffusion)),
+            "set deltaT to at most " + digits(largestDiffusion/most*dt) + " s",
+            most
+        });
     }
 }
 
@@ -168,11 +188,14 @@ tmp<volVectorField> GasPhase::advance
     label steps = label(max(scalar(1), ceil(min(asked, scalar(mostSteps)))));
     if (asked > mostSteps)
     {
-        Info<< "    Warning: the gas crosses up to " << asked*courant/steps
-            << " cells in each of the " << steps << " parts of its step of "
-            << dt << " s, allowed: " << courant
-            << " (gasCourant); set deltaT to at most " << dt*steps/asked
-            << " s" << endl;
+        Warnings::add
+        ({
+            "gasCourant", "the gas crosses many cells in each part of its step",
+            digits(asked*courant/steps) + " cells in each of the "
+          + std::to_string(steps) + " parts of " + digits(dt)
+          + " s, allowed: " + digits(courant) + " (gasCourant)",
+            "set deltaT to at most " + digits(dt*steps/asked) + " s", asked
+        });
     }
     warnOfViscosity(dt/steps);
     for (label attempt = 0; ; ++attempt)
@@ -215,9 +238,29 @@ tmp<volVectorField> GasPhase::advance
             );
         }
         steps *= 2;
-        Info<< "    Warning: " << trouble.c_str()
-            << ": taken again from before in " << steps << " steps" << endl;
+        Warnings::add
+        ({
+            "gasRetaken", "a step of the gas was taken again",
+            trouble + ", from before in " + std::to_string(steps) + " steps",
+            "set deltaT smaller, or look at the mesh and the inflow there",
+            scalar(steps)
+        });
     }
+}
+
+
+scalar GasPhase::startStep(const scalar courant) const
+{
+    // From rest the gas cannot become faster than pressure makes it. The
+    // pressure of an inlet follows its velocity from step to step: that is
+    // stable where a step is a part of the passage.
+    const scalar fastest = sqrt(2*pressureDrop()) + VSMALL;
+    const scalar smallest = cbrt(gMin(mesh_.V().field()));
+    return min
+    (
+        courant/max(courantRate(), fastest/smallest),
+        largestPassage*mesh_.bounds().mag()/fastest
+    );
 }
 
 
@@ -229,8 +272,9 @@ scalar GasPhase::converge
     const label retakes
 )
 {
-    const scalar through = throughTime();
-    if (through >= GREAT)
+    scalar through = throughTime();
+    const bool fixed = inflowIsFixed();
+    if (through >= GREAT && !isDriven())
     {
         return GREAT;
     }
@@ -243,11 +287,24 @@ scalar GasPhase::converge
     label steps = 0;
     while (change > tolerance && passed < 10*through)
     {
-        const scalar dt = min(courant/courantRate(), through);
+        const scalar dt = min
+        (
+            fixed ? courant/courantRate() : startStep(courant), through
+        );
         clock.setIndex(index + ++steps);
         clock.setStep(dt);
 
-        change = relative(advance(none, dt, GREAT, retakes)())*through/dt;
+        const scalar moved = relative(advance(none, dt, GREAT, retakes)());
+        if (!fixed)
+        {
+            // A gas that pressure drives finds its flow while it settles
+            through = throughTime();
+            if (through >= GREAT && steps > mostStepsToStart)
+            {
+                break;
+            }
+        }
+        change = moved*through/dt;
         passed += dt;
     }
 
@@ -255,6 +312,18 @@ scalar GasPhase::converge
         << " passes; change per pass " << change
         << (change > tolerance ? " (not below " : " (below ") << tolerance
         << ")" << endl;
+    if (change > tolerance)
+    {
+        Warnings::add
+        ({
+            "gasNotSettled", "the gas has not settled without particles",
+            "it changes by " + digits(100*change) + " % a pass after "
+          + digits(passed/through) + " passes, allowed: "
+          + digits(100*tolerance) + " %",
+            "nothing: it is solved in every step; or a finer or steadier inlet",
+            change
+        });
+    }
     return change;
 }
 

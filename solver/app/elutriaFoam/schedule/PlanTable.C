@@ -49,10 +49,10 @@ void PlanTable::row
 }
 
 
-void PlanTable::warn(const std::string& text)
+void PlanTable::warn(const RunWarning& warning)
 {
-    warnings_.push_back(text);
-    Info<< "    Warning: " << text.c_str() << nl;
+    warnings_.push_back(warning.text());
+    Warnings::add(warning);
 }
 
 

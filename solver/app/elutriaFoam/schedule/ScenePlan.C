@@ -9,6 +9,7 @@
 #include "foam/foamVersion.H"
 #include "globalMeshData.H"
 #include "IOField.H"
+#include "foam/ownEntries.H"
 #include "foam/requirePositive.H"
 
 namespace Foam
@@ -242,6 +243,7 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     makeBlocks();
     findFlowAxis();
     const dictionary dict(readSettings(runTime));
+    requireOwnEntries(dict, ownDictionary::scenePlan);
     gasChoice_ = readChoice(dict, "gas");
     convergeGas_ = readChoice(dict, "convergeGas") != choice::off;
     courant_ = readPositive(dict, "gasCourant", 5);

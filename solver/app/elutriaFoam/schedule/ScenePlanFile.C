@@ -10,8 +10,8 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "schedule/ScenePlan.H"
-#include "schedule/Json.H"
 #include "run/exitHandling.H"
+#include "foam/Json.H"
 #include "foam/foamVersion.H"
 #include "OSspecific.H"
 #include "processorPolyPatch.H"
@@ -123,6 +123,31 @@ std::string ScenePlan::meshAsJson() const
 }
 
 
+std::string ScenePlan::inletsAsJson() const
+{
+    std::vector<std::string> inlets;
+    for (const GasPhase::Opening& o : gas_.openings())
+    {
+        if (o.flow > 0)
+        {
+            inlets.push_back
+            (
+                json::object
+                ({
+                    {
+                        "patch",
+                        json::text(gas_.U().mesh().boundary()[o.patch].name())
+                    },
+                    {"volume_flow_m3_s", json::number(o.flow)},
+                    {"velocity_m_s", json::number(o.flow/o.area)}
+                })
+            );
+        }
+    }
+    return json::list(inlets);
+}
+
+
 std::string ScenePlan::gasAsJson(const ElutriaCloud& cloud) const
 {
     static const char* const basis[] = {"inlet", "settled", "start"};
@@ -134,8 +159,11 @@ std::string ScenePlan::gasAsJson(const ElutriaCloud& cloud) const
         {"speed_m_s", json::number(feed ? stream(*feed).speed : gas_.meanSpeed())},
         {
             "superficial_m_s",
-            feed ? json::number(feed->superficialSpeed(gas_.name())) : "null"
+            feed && feed->gasMassFlow() > 0
+          ? json::number(feed->superficialSpeed(gas_.name())) : "null"
         },
+        {"inflow_is_fixed", gas_.inflowIsFixed() ? "true" : "false"},
+        {"inlets", inletsAsJson()},
         {"density_kg_m3", json::number(means.density)},
         {"viscosity_pa_s", json::number(means.viscosity)},
         {"through_time_s", json::number(gas_.throughTime())},
@@ -174,13 +202,17 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
         );
     }
     const bool limited = feed.parcels() < labelMax;
+    const auto rated = [&](const scalar value)
+    {
+        return feed.massFlow() > 0 ? json::number(value) : "null";
+    };
     return json::object
     ({
         {"through", json::text(feed.place())},
         {"outlets", outlets(feed, gas_.U().mesh().boundaryMesh())},
-        {"rate_kg_s", json::number(feed.massFlow())},
-        {"particles_per_s", json::number(feed.massFlow()/feed.meanMass())},
-        {"particles_per_parcel", json::number(feed.particlesPerParcel())},
+        {"rate_kg_s", rated(feed.massFlow())},
+        {"particles_per_s", rated(feed.massFlow()/feed.meanMass())},
+        {"particles_per_parcel", rated(feed.particlesPerParcel())},
         {"parcels", limited ? json::number(feed.parcels()) : "null"},
         {
             "parcels_asked",
@@ -218,7 +250,7 @@ std::string ScenePlan::expectedAsJson
     }
 
     // Nothing is known of a column through which no gas flows yet
-    const bool flows = gas.throughTime < GREAT;
+    const bool flows = gas.throughTime < GREAT && feed.massFlow() > 0;
     const auto known = [=](const scalar value)
     {
         return flows ? json::number(value) : "null";

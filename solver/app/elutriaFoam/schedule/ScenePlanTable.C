@@ -113,11 +113,12 @@ void ScenePlan::announceStiffness
     if (tooSoft)
     {
         table.warn
-        (
-            "contacts at the gas' speed overlap by " + percent(overlap)
-          + " of the radius, allowed: " + percent(largestOverlap)
-          + "; raise youngsModulus or normalStiffness"
-        );
+        ({
+            "stiffness", "contacts at the gas' speed overlap",
+            percent(overlap) + " of the radius, allowed: "
+          + percent(largestOverlap),
+            "raise youngsModulus or normalStiffness", overlap
+        });
     }
 }
 
@@ -163,23 +164,25 @@ void ScenePlan::announceParcels
     if (wake > largestWake)
     {
         table.warn
-        (
-            "parcels so heavy can shift the cut; "
-          + threeDigits(wake/largestWake)
-          + " times as many (particles of constant/feed) stay below "
-          + percent(largestWake)
-        );
+        ({
+            "heavyParcels", "parcels so heavy can shift the cut",
+            "they feel gas slowed by themselves by " + percent(wake)
+          + ", allowed: " + percent(largestWake),
+            "feed " + threeDigits(wake/largestWake)
+          + " times as many (particles of constant/feed)", wake
+        });
     }
     if (cloud.contacts() && collisions > 1 && each > largestParcel)
     {
         table.warn
-        (
-            "parcels of " + threeDigits(each)
-          + " particles that collide can shift the cut; "
-          + threeDigits(each/largestParcel)
-          + " times as many (particles of constant/feed) are few enough in"
-          + " each"
-        );
+        ({
+            "manyInAParcel", "parcels of many particles that collide can shift"
+            " the cut",
+            threeDigits(each) + " particles in each, allowed: "
+          + threeDigits(largestParcel),
+            "feed " + threeDigits(each/largestParcel)
+          + " times as many (particles of constant/feed)", each
+        });
     }
 }
 
@@ -234,6 +237,15 @@ void ScenePlan::announceFeed
     const Feed& feed = *cloud.feed();
     const bool coupled = cloud.solution().coupled();
     const elutria::laws::GasStream gas(stream(feed));
+    if (!(feed.massFlow() > 0))
+    {
+        table.row
+        (
+            "feed", "known when the gas flows",
+            "loading is per gas that flows in, which pressure drives"
+        );
+        return;
+    }
     const elutria::laws::SceneEstimate e(expect(feed, gas));
     table.row
     (

@@ -133,9 +133,10 @@ TEST_CASE("overlaps that no contact explains")
     Engine engine({}, oneMaterial({}));
     const StepReport report = engine.advance(p, 1e-4);
     REQUIRE(report.warnings.size() == 1);
-    CHECK(report.warnings[0] == "Overlaps of particles with each other or with a wall, without an "
-          "existing contact, were separated: 1. Likely cause: the feed inserts particles into each "
-          "other or into a wall.");
+    CHECK(report.warnings[0].text()
+          == "particles that overlapped each other or a wall without a contact were separated: 1 of "
+             "them in a step; widen the feed's patch or zone: it inserts particles into each other "
+             "or into a wall");
     CHECK(engine.advance(p, 1e-4).warnings.empty());
 }
 
@@ -151,7 +152,7 @@ TEST_CASE("an overlap too deep is given in per cent, beside what is recommended"
     p.velocity.set(1, {-0.1, 0, 0});
     const StepReport report = Engine(settings, oneMaterial(soft)).advance(p, 5e-4);
     REQUIRE(report.warnings.size() == 1);
-    CHECK(report.warnings[0].find("% of a particle's radius (recommended: at most 5 %)")
+    CHECK(report.warnings[0].howMuch.find("% of a particle's radius, allowed: 5 %")
           != std::string::npos);
 }
 

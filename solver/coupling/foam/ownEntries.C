@@ -1,0 +1,284 @@
+/*---------------------------------------------------------------------------*\
+    Elutria: gravitational air classification with OpenFOAM
+
+    Copyright (C) 2026 The Elutria developers
+    SPDX-License-Identifier: GPL-3.0-or-later
+\*---------------------------------------------------------------------------*/
+
+#include "foam/ownEntries.H"
+#include "foam/foamVersion.H"
+#include "foam/standsIn.H"
+#include "OSspecific.H"
+#include "Pstream.H"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <vector>
+
+namespace Foam
+{
+
+namespace
+{
+
+//- The entries of each dictionary
+wordList entriesOf(const ownDictionary kind)
+{
+    switch (kind)
+    {
+        case ownDictionary::feed:
+            return
+            {
+                "outlets", "patch", "zone", "loading", "massFlowRate", "start",
+                "duration", "particles", "parcels", "focus",
+                "particlesPerParcel", "drainTime", "velocity", "seed",
+                "materials"
+            };
+        case ownDictionary::material:
+            return {"density", "sphericity", "massFraction", "sizeDistribution"};
+        case ownDictionary::selfInducedVelocity:
+            return {"correct"};
+        case ownDictionary::ownWake:
+            return {"undisturbed"};
+        case ownDictionary::spreading:
+            return {"width", "steps"};
+        case ownDictionary::dragLaw:
+            return {"alphac", "sphericity"};
+        case ownDictionary::cellList:
+            return
+            {
+                "contactLaw", "treatment", "stepFraction", "step", "search",
+                "cellLayers", "skin", "threads", "particle", "wall",
+                "particleParticle", "particleWall", "pairs"
+            };
+        case ownDictionary::contactMaterial:
+            return {"youngsModulus", "poissonsRatio"};
+        case ownDictionary::contactPair:
+            return
+            {
+                "contactLaw", "restitution", "friction", "rollingFriction",
+                "cohesion", "normalStiffness", "tangentialRatio"
+            };
+        case ownDictionary::dispersion:
+            return {"C0", "beta"};
+        case ownDictionary::scenePlan:
+            return
+            {
+                "gas", "convergeGas", "gasTolerance", "gasCourant",
+                "collisionsPerStep", "retakes"
+            };
+    }
+    return wordList();
+}
+
+
+//- Letters to change, add or leave out (Levenshtein)
+size_t distance(const std::string& a, const std::string& b)
+{
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j)
+    {
+        row[j] = j;
+    }
+    for (size_t i = 1; i <= a.size(); ++i)
+    {
+        size_t corner = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j)
+        {
+            const size_t above = row[j];
+            row[j] = std::min
+            ({
+                above + 1, row[j - 1] + 1, corner + (a[i - 1] != b[j - 1])
+            });
+            corner = above;
+        }
+    }
+    return row[b.size()];
+}
+
+
+//- A file without its comments and #lines, which have other files' names
+std::string withoutComments(std::istream& file)
+{
+    std::string text, line;
+    bool commented = false;
+    while (std::getline(file, line))
+    {
+        for (size_t k = 0; k < line.size(); ++k)
+        {
+            const std::string next(line, k, 2);
+            if (commented)
+            {
+                commented = next != "*/";
+                k += commented ? 0 : 1;
+            }
+            else if (next == "/*")
+            {
+                commented = true;
+                ++k;
+            }
+            else if (next == "//" || line[k] == '#')
+            {
+                break;
+            }
+            else
+            {
+                text += line[k];
+            }
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+
+//- Names of the entries that stand in a file itself, outside of all brackets
+std::set<std::string> keysOf(const fileName& path)
+{
+    std::ifstream file(path);
+    std::set<std::string> keys;
+    std::string word;
+    label depth = 0;
+    bool first = true;      // word of an entry
+    for (const char c : withoutComments(file))
+    {
+        const bool ends = std::isspace(c) || std::strchr(";(){}", c);
+        if (!ends)
+        {
+            word += c;
+            continue;
+        }
+        if (!word.empty() && depth == 0 && first)
+        {
+            keys.insert(word);
+            first = false;
+        }
+        word.clear();
+        depth += (c == '(' || c == '{') - (c == ')' || c == '}');
+        first = first || (depth == 0 && (c == ';' || c == '}'));
+    }
+    return keys;
+}
+
+
+//- The file that a dictionary was read from, for all processors
+fileName fileOf(const dictionary& wholeFile)
+{
+    const fileName path(wholeFile.name());
+    if (isFile(path, false))
+    {
+        return path;
+    }
+    // case/processor0/constant/feed
+    const fileName folder(path.path());
+    return folder.path().path()/folder.name()/path.name();
+}
+
+
+bool isAllowed(const keyType& key, const wordList& allowed)
+{
+    return std::any_of
+    (
+        allowed.begin(), allowed.end(),
+        [&](const word& name) { return key.match(name); }
+    );
+}
+
+
+[[noreturn]] void refuse
+(
+    const dictionary& dict,
+    const entry& e,
+    const wordList& allowed
+)
+{
+    FatalIOErrorInFunction(dict)
+        << e.keyword() << " is not an entry of " << dict.dictName()
+        << ", allowed: " << listed(allowed).c_str() << exit(FatalIOError);
+    std::abort();   // never reached
+}
+
+} // End anonymous namespace
+
+
+std::string listed(const wordList& names)
+{
+    std::string all;
+    for (const word& name : names)
+    {
+        all += (all.empty() ? "" : ", ") + name;
+    }
+    return all;
+}
+
+
+void requireEntries(const dictionary& dict, const wordList& allowed)
+{
+    for (const entry& e : dict)
+    {
+        if (!isAllowed(e.keyword(), allowed))
+        {
+            refuse(dict, e, allowed);
+        }
+    }
+}
+
+
+bool standsIn(const dictionary& wholeFile, const word& name)
+{
+    bool stands =
+        Pstream::master() && keysOf(fileOf(wholeFile)).count(name) > 0;
+    elutriaBroadcast(stands);
+    return stands;
+}
+
+
+void requireOwnEntries(const dictionary& dict, const ownDictionary kind)
+{
+    const wordList allowed(entriesOf(kind));
+    if (kind != ownDictionary::feed && kind != ownDictionary::scenePlan)
+    {
+        requireEntries(dict, allowed);
+        return;
+    }
+    if (!Pstream::master())
+    {
+        return;
+    }
+    const std::set<std::string> keys(keysOf(fileOf(dict)));
+    for (const entry& e : dict)
+    {
+        if (!isAllowed(e.keyword(), allowed) && keys.count(e.keyword())
+         && e.keyword() != "FoamFile")
+        {
+            refuse(dict, e, allowed);
+        }
+    }
+}
+
+
+void refuseNearMisses(const dictionary& dict, const wordList& ours)
+{
+    for (const entry& e : dict)
+    {
+        for (const word& name : ours)
+        {
+            if
+            (
+                !e.keyword().isPattern() && !isAllowed(e.keyword(), ours)
+             && distance(e.keyword(), name) <= 2
+            )
+            {
+                refuse(dict, e, wordList({name}));
+            }
+        }
+    }
+}
+
+
+} // End namespace Foam
