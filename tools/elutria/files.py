@@ -77,7 +77,9 @@ def _cell(value: Any) -> str:
 
 
 def read_csv(
-    path: Path, columns: Sequence[str], words: Sequence[str] = ("material", "model", "law")
+    path: Path,
+    columns: Sequence[str],
+    words: Sequence[str] = ("material", "model", "law", "product"),
 ) -> list[dict[str, Any]]:
     """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one.
 

@@ -17,6 +17,10 @@ PARTITION = (
     "gas_velocity_m_s", "material", "diameter_low_m", "diameter_high_m", "diameter_m", "feed_kg",
     "fines_kg", "coarse_kg", "inside_kg", "partition_to_coarse", "ci_low", "ci_high",
 )  # fmt: skip
+PRODUCT_PARTITION = (
+    "gas_velocity_m_s", "material", "product", "diameter_low_m", "diameter_high_m", "diameter_m",
+    "product_kg", "partition", "ci_low", "ci_high", "cumulative",
+)  # fmt: skip
 FIT = (
     "gas_velocity_m_s", "material", "rank", "model", "d50_without_bypass_m", "shape", "bypass",
     "log_likelihood", "aic", "p_value", "events", "d25_low_m", "d25_high_m", "d50_low_m",

@@ -141,6 +141,13 @@ CHANGES = [
     ("massFraction 1", "massFraction 0.9", "massFraction adds up to 0.9"),
     ("(bottom)", "(botom)", "did you mean 'bottom'"),
     ("(bottom)", "(top)", "not in fines too"),
+    ("(bottom)", "(bottom bottom)", "each patch once ('bottom' is there twice)"),
+    ("(bottom)", "()", "outlets/coarse"),
+    ("coarse (bottom);", "fines (bottom);", "constant/feed: fines: is there twice; allowed: once"),
+    ("coarse (bottom);", "inside (bottom);", "'inside' cannot be a product"),
+    ("fines (top);", "", "open patch 'top'"),
+    ("patch feedSlot", "partitionTo nowhere;\npatch feedSlot", "partitionTo"),
+    ("coarse (bottom);", "coarse (bottom); dust (lid);", "the last product, dust, although"),
     ("feedSlot", "feedslot", "no patch 'feedslot'"),
     ("min 300e-6", "min -300e-6", "sizeDistribution/min"),
     ("type RosinRammler", "type RosinRamler", "did you mean 'RosinRammler'"),
@@ -163,3 +170,14 @@ def test_each_mistake_in_the_feed_is_named(column: Path, old: str, new: str, exp
         Case(column).feed()
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_products_are_any(column: Path) -> None:
+    path = column / "constant/feed"
+    text = path.read_text().replace("fines ", "up ").replace("coarse ", "down ")
+    path.write_text(text)
+    feed = Case(column).feed()
+    assert feed.outlets == {"up": ["top"], "down": ["bottom"]}
+    assert feed.partition_to == "down"
+    path.write_text(text.replace("patch  ", "partitionTo up; patch  "))
+    assert Case(column).feed().partition_to == "up"

@@ -44,7 +44,7 @@ def test_check_refuses_an_open_patch_without_a_product(
     assert end.value.code == 2
     assert said.count("\n") == 1
     assert "constant/feed: outlets: the open patch 'feedSlot'" in said
-    assert "allowed: its name in fines or coarse, or the type wall" in said
+    assert "allowed: its name in one of fines, coarse, or the type wall" in said
 
 
 def test_a_patch_interaction_may_turn_particles_back_at_an_open_patch(column: Path) -> None:

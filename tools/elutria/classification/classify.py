@@ -1,4 +1,5 @@
-"""From events to the rows of summary.csv, partition.csv, fit.csv and curve.csv."""
+"""From events to the rows of summary.csv, partition.csv, product_partition.csv, fit.csv and
+curve.csv."""
 
 from __future__ import annotations
 
@@ -20,10 +21,11 @@ Row = dict[str, Any]
 
 @dataclass
 class Classification:
-    """Rows of the four tables."""
+    """Rows of the five tables."""
 
     summary: list[Row] = field(default_factory=list)
     partition: list[Row] = field(default_factory=list)
+    product_partition: list[Row] = field(default_factory=list)
     fits: list[Row] = field(default_factory=list)
     curves: list[Row] = field(default_factory=list)
 
@@ -31,12 +33,16 @@ class Classification:
         """Append another velocity's rows."""
         self.summary += other.summary
         self.partition += other.partition
+        self.product_partition += other.product_partition
         self.fits += other.fits
         self.curves += other.curves
 
     def write(self, folder: Path) -> None:
-        """summary, partition, fit and curve.csv in `folder`, each written atomically."""
+        """All five in `folder`, each written atomically."""
         write_csv(folder / "partition.csv", tables.PARTITION, self.partition)
+        write_csv(
+            folder / "product_partition.csv", tables.PRODUCT_PARTITION, self.product_partition
+        )
         write_csv(folder / "fit.csv", tables.FIT, self.fits)
         write_csv(folder / "curve.csv", tables.CURVE, self.curves)
         write_csv(folder / "summary.csv", tables.SUMMARY, self.summary)
@@ -59,6 +65,9 @@ def classify(run: Run, velocity: float, wall_time: float) -> Classification:
         key = {"gas_velocity_m_s": velocity, "material": name}
         result.summary.append({**key, **_summary(run, name, events, fits[name], wall_time)})
         result.partition += [{**key, **_partition(entry)} for entry in table]
+        result.product_partition += [
+            {**key, **row} for entry in table for row in _product_partition(entry)
+        ]
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
         result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
     return result
@@ -75,7 +84,7 @@ def _summary(run: Run, name: str, events: Events, fit: PartitionFit, wall_time: 
     account = run.accounts[name]
     mass = events.mass
     left = float(np.sum(mass[events.has_left]))
-    fines = float(np.sum(mass[events.outlet == "fines"]))
+    fines = float(np.sum(mass[events.has_left & ~events.is_coarse]))
     low, high = fit.sizes[0.50][1:]
     return {
         "d25_m": fit.d25,
@@ -111,6 +120,23 @@ def _partition(entry: SizeClass) -> Row:
         "ci_low": entry.share_low,
         "ci_high": entry.share_high,
     }
+
+
+def _product_partition(entry: SizeClass) -> list[Row]:
+    return [
+        {
+            "product": one.product,
+            "diameter_low_m": entry.low,
+            "diameter_high_m": entry.high,
+            "diameter_m": entry.diameter,
+            "product_kg": one.mass,
+            "partition": one.share,
+            "ci_low": one.share_low,
+            "ci_high": one.share_high,
+            "cumulative": one.cumulative,
+        }
+        for one in entry.products
+    ]
 
 
 def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:
