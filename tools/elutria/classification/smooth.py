@@ -299,9 +299,7 @@ def _likeliest(trials: Trials, penalty: Array, start: Array) -> Array:
     return np.asarray(found.x)
 
 
-def farthest(
-    trials: Trials, mode: Mode, directions: Array, start: Array | None = None
-) -> Array:
+def farthest(trials: Trials, mode: Mode, directions: Array, start: Array | None = None) -> Array:
     """Coefficients (n, size) farthest along each of `directions` (n, size) among those whose lack
     is within LIMIT^2/2 of the mode's.
 
@@ -338,12 +336,14 @@ def farthest(
 
 def _misplaced(line: Array, coarse: Array, fines: Array) -> float:
     """The share b of all that may go to coarse beside T = expit(line): T + (1 - T) b costs
-    MISPLACED in ln L."""
+    MISPLACED in ln L. Next to all where what left is too little to cost that."""
+
     def loss(log_share: float) -> float:
         more = coarse @ np.logaddexp(0, log_share - line)  # ln(1 + b (1 - T)/T)
         return float(-more - fines.sum() * np.log1p(-exp(log_share)) - MISPLACED)
 
-    return exp(brentq(loss, log(1e-9), log(1 - 1e-9), xtol=1e-3))
+    low, high = log(1e-9), log(1 - 1e-9)
+    return exp(brentq(loss, low, high, xtol=1e-3) if loss(high) > 0 else high)
 
 
 def _mixture(weight: Array, center: Array, end: Array) -> Array:
