@@ -7,8 +7,12 @@
 
 #include "feed/SizeDistribution.H"
 #include "foam/foamVersion.H"
+#include "laws/SizeTables.hpp"
+#include "OSspecific.H"
 #include "scalarList.H"
 
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace Foam
@@ -27,6 +31,51 @@ std::vector<double> readNumbers(const dictionary& dict, const word& entry)
 }
 
 
+//- A file that the dictionary names, from the case's folder
+laws::CumulativeCurve readSieveFile(const dictionary& dict)
+{
+    const fileName given(dict.get<fileName>("file"));
+    const fileName file(given.isAbsolute() ? given : getEnv("FOAM_CASE")/given);
+    std::ifstream is(file);
+    if (!is)
+    {
+        throw std::invalid_argument
+        (
+            "file " + given + " is not found, allowed: a csv file in the case"
+        );
+    }
+    std::ostringstream text;
+    text << is.rdbuf();
+    try
+    {
+        return laws::sieveTable
+        (
+            text.str(), dict.getOrDefault<scalar>("min", 0)
+        );
+    }
+    catch (const std::invalid_argument& refused)
+    {
+        throw std::invalid_argument("file " + given + ": " + refused.what());
+    }
+}
+
+
+laws::CumulativeCurve statedCurve(const dictionary& dict);
+
+
+laws::CumulativeCurve readSum(const dictionary& dict)
+{
+    std::vector<laws::CumulativeCurve> curves;
+    std::vector<double> shares;
+    for (const entry& part : dict.subDict("parts"))
+    {
+        curves.push_back(statedCurve(part.dict()));
+        shares.push_back(part.dict().get<scalar>("share"));
+    }
+    return laws::mixed(curves, shares);
+}
+
+
 laws::CumulativeCurve statedCurve(const dictionary& dict)
 {
     const word type(dict.get<word>("type"));
@@ -42,6 +91,15 @@ laws::CumulativeCurve statedCurve(const dictionary& dict)
         );
     }
 
+    if (type == "sieve")
+    {
+        return readSieveFile(dict);
+    }
+    if (type == "sum")
+    {
+        return readSum(dict);
+    }
+
     const laws::SizeLaw* law = laws::findSizeLaw(type);
     if (!law)
     {
@@ -52,7 +110,8 @@ laws::CumulativeCurve statedCurve(const dictionary& dict)
         }
         throw std::invalid_argument
         (
-            "type is " + type + ", allowed: " + names + "fixedValue, table"
+            "type is " + type + ", allowed: " + names
+          + "fixedValue, table, sieve, sum"
         );
     }
     std::vector<double> parameters;

@@ -235,7 +235,7 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside) const
             // Sums close to 1e-12
             os  << std::setprecision(15) << "{\n  \"time_s\": " << time
                 << ",\n  \"seed\": " << feed_.seedEntry()
-                << ",\n  \"partition_to\": \"" << feed_.partitionTo() << '"'
+                << ",\n  \"partition_to\": \"" << feed_.partitionTo() << "\""
                 << ",\n  \"total\": ";
             account(os, total(injected_), outlets, total(inside));
             os << ",\n  \"materials\": {";

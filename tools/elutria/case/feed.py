@@ -91,7 +91,7 @@ def read_feed(case: Path) -> Feed:
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
         velocity=(velocity[0], velocity[1], velocity[2]),
         seed=_read_seed(entries),
-        materials=_read_materials(entries.sub("materials")),
+        materials=_read_materials(entries.sub("materials"), case),
     )
 
 
@@ -167,7 +167,7 @@ def _read_partition_to(entries: Dictionary, products: list[str]) -> str:
     return entries.word("partitionTo", products, products[-1])
 
 
-def _read_materials(entries: Dictionary) -> list[Material]:
+def _read_materials(entries: Dictionary, case: Path) -> list[Material]:
     if not entries.entries:
         raise entries.refuse("", "at least one material { ... }")
     materials = []
@@ -184,7 +184,7 @@ def _read_materials(entries: Dictionary) -> list[Material]:
                 ),
                 sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
-                sizes=read_size_distribution(entry.sub("sizeDistribution")),
+                sizes=read_size_distribution(entry.sub("sizeDistribution"), case),
             )
         )
     total = sum(material.mass_fraction for material in materials)

@@ -28,6 +28,8 @@ Flags = NDArray[np.bool_]
 
 INSIDE = "inside"
 """The place of what has not left, beside the products."""
+PLACES = ("fines", "coarse", INSIDE)
+"""Where no others are named."""
 _TYPES: dict[str, Any] = {
     **dict.fromkeys(tables.EVENTS, "float64"),
     "outlet": "category",
@@ -56,7 +58,7 @@ class Events:
     partition_to: str = "coarse"
 
     def __post_init__(self) -> None:
-        for name, categories in (("material", None), ("outlet", ["fines", "coarse", INSIDE])):
+        for name, categories in (("material", None), ("outlet", list(PLACES))):
             given = getattr(self, name)
             if not isinstance(given, pd.Categorical):
                 object.__setattr__(self, name, pd.Categorical(given, categories))
