@@ -16,6 +16,8 @@ from elutria.case.case import Case, Setting
 from elutria.classification.classify import classify
 from elutria.classification.events import read_run
 from elutria.errors import InputError
+from elutria.estimates.theory import channel_fines_share
+from elutria.physics.drag import Gas, terminal_velocity
 from elutria.running.run import make_mesh, run_case
 from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
 from elutria_validation.harness.cases import times
@@ -66,6 +68,26 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
     left = finished.events.select(finished.events.has_left)
     sizes = [np.median(left.diameter[left.outlet == name]) for name in finished.events.products]
     assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
+
+
+def test_a_parabola_cuts_as_the_closed_form_says(tmp_path: Path, measured: Note) -> None:
+    """In developed laminar flow a grain rises where the gas is faster than it falls: of those fed
+    evenly across the channel that is the share sqrt(1 - v/(1.5 U))."""
+    case = run("elutriator", tmp_path / "run", particles=200, drainTime=8, cellsWide=12)
+    accounts_close(case, measured)
+    events = read_run(case).events
+    left = events.select(events.has_left)
+    # the others hover: near the cut a grain is as fast as the gas somewhere
+    assert len(left) > 0.75 * len(events)
+    gas = Gas(1.2, 1.8e-5)
+    falls = np.array([terminal_velocity(d, 2650, gas, gravity=9.81) for d in events.diameter])
+    share = channel_fines_share(falls, 0.1)
+    rises, inside = np.sum(events.outlet == "fines"), np.sum(~events.has_left)
+    spread = 4 * float(np.sqrt(np.sum(share * (1 - share))))
+    measured("to fines less than expected", share.sum() - (rises + inside), spread)
+    measured("to fines more than expected", rises - share.sum(), spread)
+    # what no gas of this channel lifts
+    assert np.all(left.outlet[left.diameter > 45e-6] == "coarse")
 
 
 @pytest.mark.parametrize("stages", [1, 2, 15])
