@@ -33,6 +33,10 @@ PRODUCTS = (
     "grade_high", "d10_m", "d10_low_m", "d10_high_m", "d50_m", "d50_low_m", "d50_high_m", "d90_m",
     "d90_low_m", "d90_high_m",
 )  # fmt: skip
+PRODUCT_PARTITION = (
+    "gas_velocity_m_s", "material", "product", "diameter_low_m", "diameter_high_m", "diameter_m",
+    "product_kg", "partition", "ci_low", "ci_high", "cumulative",
+)  # fmt: skip
 FIT = (
     "gas_velocity_m_s", "material", "rank", "model", "d50_without_bypass_m", "shape", "bypass",
     "log_likelihood", "aic", "p_value", "events", "d25_low_m", "d25_high_m", "d50_low_m",

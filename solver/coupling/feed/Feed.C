@@ -110,33 +110,6 @@ void Feed::readMaterials()
 }
 
 
-void Feed::readOutlets()
-{
-    const dictionary& dict = subDict("outlets");
-    const polyBoundaryMesh& patches = mesh_.boundaryMesh();
-
-    productOfPatch_ = labelList(patches.size(), -1);
-
-    for (const entry& e : dict)
-    {
-        const label product = products_.size();
-        products_.append(e.keyword());
-
-        for (const word& name : dict.get<wordList>(e.keyword()))
-        {
-            const label patchi = patches.findPatchID(name);
-            if (patchi < 0)
-            {
-                FatalIOErrorInFunction(dict)
-                    << "outlet " << e.keyword() << " names the patch " << name
-                    << ", allowed: " << patches.names() << exit(FatalIOError);
-            }
-            productOfPatch_[patchi] = product;
-        }
-    }
-}
-
-
 scalar Feed::boundaryGasFlow(const word& phaseName) const
 {
     const auto& U = mesh_.lookupObject<volVectorField>
@@ -351,6 +324,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
         )
     ),
     mesh_(mesh),
+    products_(*this, mesh.boundaryMesh()),
     entrance_(mesh, *this),
     start_(0),
     duration_(0),
@@ -389,6 +363,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
         told.subDict("settings")
     ),
     mesh_(mesh),
+    products_(*this, mesh.boundaryMesh()),
     entrance_(mesh, *this),
     start_(0),
     duration_(0),
@@ -412,7 +387,6 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
 
 void Feed::readAll(const word& phaseName)
 {
-    readOutlets();
     velocity_ = getOrDefault<vector>("velocity", Zero);
     readGasFlow(phaseName);
     readAmounts(phaseName);

@@ -8,8 +8,12 @@
 #include "feed/SizeDistribution.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
+#include "laws/SizeTables.hpp"
+#include "OSspecific.H"
 #include "scalarList.H"
 
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 namespace Foam
@@ -28,10 +32,65 @@ std::vector<double> readNumbers(const dictionary& dict, const word& entry)
 }
 
 
-laws::CumulativeCurve statedCurve(const dictionary& dict)
+//- A file that the dictionary names, from the case's folder
+laws::CumulativeCurve readSieveFile(const dictionary& dict)
+{
+    const fileName given(dict.get<fileName>("file"));
+    const fileName file(given.isAbsolute() ? given : getEnv("FOAM_CASE")/given);
+    std::ifstream is(file);
+    if (!is)
+    {
+        throw std::invalid_argument
+        (
+            "file " + given + " is not found, allowed: a csv file in the case"
+        );
+    }
+    std::ostringstream text;
+    text << is.rdbuf();
+    try
+    {
+        return laws::sieveTable
+        (
+            text.str(), dict.getOrDefault<scalar>("min", 0)
+        );
+    }
+    catch (const std::invalid_argument& refused)
+    {
+        throw std::invalid_argument("file " + given + ": " + refused.what());
+    }
+}
+
+
+//- With entries that the dictionary may have beside those of its law
+laws::CumulativeCurve statedCurve
+(
+    const dictionary& dict,
+    const wordList& others
+);
+
+
+laws::CumulativeCurve readSum(const dictionary& dict)
+{
+    std::vector<laws::CumulativeCurve> curves;
+    std::vector<double> shares;
+    for (const entry& part : dict.subDict("parts"))
+    {
+        curves.push_back(statedCurve(part.dict(), {"share"}));
+        shares.push_back(part.dict().get<scalar>("share"));
+    }
+    return laws::mixed(curves, shares);
+}
+
+
+laws::CumulativeCurve statedCurve
+(
+    const dictionary& dict,
+    const wordList& others
+)
 {
     const word type(dict.get<word>("type"));
     wordList entries{"type", "weighting"};
+    entries.append(others);
     if (type == "fixedValue")
     {
         entries.append("value");
@@ -48,6 +107,19 @@ laws::CumulativeCurve statedCurve(const dictionary& dict)
         );
     }
 
+    if (type == "sieve")
+    {
+        entries.append(wordList({"file", "min"}));
+        requireEntries(dict, entries);
+        return readSieveFile(dict);
+    }
+    if (type == "sum")
+    {
+        entries.append("parts");
+        requireEntries(dict, entries);
+        return readSum(dict);
+    }
+
     const laws::SizeLaw* law = laws::findSizeLaw(type);
     if (!law)
     {
@@ -58,7 +130,8 @@ laws::CumulativeCurve statedCurve(const dictionary& dict)
         }
         throw std::invalid_argument
         (
-            "type is " + type + ", allowed: " + names + "fixedValue, table"
+            "type is " + type + ", allowed: " + names
+          + "fixedValue, table, sieve, sum"
         );
     }
     std::vector<double> parameters;
@@ -95,7 +168,7 @@ laws::SizeCurves readCurves(const dictionary& dict)
 {
     try
     {
-        return {statedCurve(dict), readWeighting(dict)};
+        return {statedCurve(dict, {}), readWeighting(dict)};
     }
     catch (const std::invalid_argument& refused)
     {

@@ -33,7 +33,7 @@ wordList entriesOf(const ownDictionary kind)
         case ownDictionary::feed:
             return
             {
-                "outlets", "patch", "zone", "loading", "massFlowRate", "start",
+                "outlets", "partitionTo", "patch", "zone", "loading", "massFlowRate", "start",
                 "duration", "particles", "parcels", "focus",
                 "particlesPerParcel", "drainTime", "velocity", "seed",
                 "materials"

@@ -21,6 +21,7 @@
 #include "drag/Ganser.hpp"
 #include "drag/Gidaspow.hpp"
 #include "drag/HaiderLevenspiel.hpp"
+#include "drag/HoelzerSommerfeld.hpp"
 #include "drag/Putnam.hpp"
 #include "drag/SchillerNaumann.hpp"
 #include "drag/WenYu.hpp"
@@ -30,8 +31,8 @@
 
 /// The laws that are particle forces of ours: use(NAME) once each.
 #define ELUTRIA_FOR_EACH_DRAG_LAW(use)                                                             \
-    use(SchillerNaumann) use(Clift) use(HaiderLevenspiel) use(Ganser) use(DiFelice) use(WenYu)      \
-    use(Gidaspow) use(Beetstra)
+    use(SchillerNaumann) use(Clift) use(HaiderLevenspiel) use(Ganser) use(HoelzerSommerfeld)        \
+    use(DiFelice) use(WenYu) use(Gidaspow) use(Beetstra)
 
 namespace elutria::laws
 {

@@ -97,6 +97,8 @@ const std::vector<SizeLaw>& sizeLaws()
          { return normalShare(std::log(d/p[0])/(std::sqrt(2.0)*std::log(p[1]))); }},
         {"normal", {"mean", "standardDeviation"},
          [](double d, const double* p) { return normalShare((d - p[0])/(std::sqrt(2.0)*p[1])); }},
+        {"GatesGaudinSchuhmann", {"d100", "m"},
+         [](double d, const double* p) { return std::min(std::pow(d/p[0], p[1]), 1.0); }},
         {"uniform", {}, [](double d, const double*) { return d; }},
     };
     return all;

@@ -3,10 +3,11 @@
 //   RosinRammler  d63 n                    Q = 1 - exp(-(d/d63)^n), ISO 9276-3
 //   logNormal     d50 sigma                Q = Phi(ln(d/d50)/ln(sigma)), ISO 9276-5
 //   normal        mean standardDeviation   Q = Phi((d - mean)/standardDeviation)
+//   GatesGaudinSchuhmann  d100 m           Q = (d/d100)^m, Schuhmann 1940
 //   uniform                                Q ~ d
 //
 // each truncated to [min, max] and scaled to end at 1. Besides: a single size, and the table of a
-// sieve analysis, linear between its sieves. Sizes are diameters in m.
+// sieve analysis, linear between its sieves; SizeTables.hpp reads one, and adds several curves up. Sizes are diameters in m.
 //
 // A curve's classes are those of ISO 3's series R20, in which partition tables are told, and of the
 // sieve analysis itself: shares at their limits are exact.

@@ -4,6 +4,7 @@
 #include "OutputFiles.hpp"
 #include "Settling.hpp"
 #include "SizeCurves.hpp"
+#include "SizeTables.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -139,6 +140,26 @@ const char* elutriaSievedSizes(const double* diameter, const double* finer, int 
 {
     return make(sizes, weighting, [=]
     { return sieved({diameter, diameter + n}, {finer, finer + n}); });
+}
+
+const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes)
+{
+    return make(sizes, weighting, [=] { return sieveTable(csv, min); });
+}
+
+const char* elutriaMixedSizes(elutriaSizes* const* parts, const double* shares, int n, int weighting,
+                              elutriaSizes** sizes)
+{
+    return make(sizes, weighting, [=]
+    {
+        std::vector<CumulativeCurve> curves;
+        for (int i = 0; i < n; ++i)
+        {
+            const SizeCurves& own = parts[i]->curves;
+            curves.push_back({own.diameters(), weighting == 0 ? own.massFiner() : own.numberFiner()});
+        }
+        return mixed(curves, {shares, shares + n});
+    });
 }
 
 const char* elutriaSingleSize(double diameter, elutriaSizes** sizes)

@@ -35,14 +35,17 @@ const char* elutriaSettlingSize(const char* law, const double grain[2], const do
                                 double gravity, const double limits[2], const double* velocity,
                                 double* diameter, int n);
 
-/* A size distribution: of a law truncated to limits, of a sieve analysis, or of a single size; from
- * shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its curves
+/* A size distribution: of a law truncated to limits, of a sieve analysis (numbers, or the
+ * text of a csv, see SizeTables.hpp), of several others, or of a single size; from shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its curves
  * have; free it with elutriaFreeSizes(). */
 typedef struct elutriaSizes elutriaSizes;
 const char* elutriaLawSizes(const char* law, const double* parameters, const double limits[2],
                             int weighting, elutriaSizes** sizes);
 const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, int weighting,
                                elutriaSizes** sizes);
+const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes);
+const char* elutriaMixedSizes(elutriaSizes* const* parts, const double* shares, int n, int weighting,
+                              elutriaSizes** sizes);
 const char* elutriaSingleSize(double diameter, elutriaSizes** sizes);
 int elutriaSizePoints(const elutriaSizes*);
 double elutriaMeanCube(const elutriaSizes*);

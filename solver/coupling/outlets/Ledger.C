@@ -237,6 +237,7 @@ void Ledger::writeLedger(const scalar time, const List<Amount>& inside)
             // Sums close to 1e-12
             os  << std::setprecision(15) << "{\n  \"time_s\": " << time
                 << ",\n  \"seed\": " << feed_.seedEntry()
+                << ",\n  \"partition_to\": \"" << feed_.partitionTo() << "\""
                 << ",\n  \"total\": ";
             lost_ = account(os, total(injected_), outlets, total(inside));
             os << ",\n  \"materials\": {";

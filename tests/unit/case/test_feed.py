@@ -71,6 +71,49 @@ def test_a_sieve_analysis_is_linear_between_its_sieves() -> None:
     )
 
 
+def test_a_feed_of_a_sieve_analysis_in_a_file(column: Path) -> None:
+    """A csv in the case: read by the tool, part of the fingerprint, refused by name."""
+    path = column / "constant/feed"
+    text = re.sub(r"sizeDistribution\s*\{[^}]*\}",
+                  'sizeDistribution { type sieve; file "constant/sieves.csv"; min 1e-4; }',
+                  path.read_text())  # fmt: skip
+    path.write_text(text)
+    sieves = column / "constant/sieves.csv"
+    sieves.write_text("diameter_mm,retained_g\n2,0\n1,20\n0.5,50\n0.25,20\n0,10\n")
+    (quartz,) = Case(column).feed().materials
+    at = [1e-4, 2.5e-4, 5e-4, 7.5e-4, 1e-3, 2e-3]
+    finer = [0, 0.1, 0.3, 0.55, 0.8, 1]
+    assert quartz.sizes.mass_share_below(at) == pytest.approx(finer, abs=1e-4)
+    before = Case(column).fingerprint([])
+    sieves.write_text(sieves.read_text().replace("1,20", "1,much"))
+    assert Case(column).fingerprint([]) != before
+    with pytest.raises(InputError, match=r"sizeDistribution/file: .*sieves.csv: line 3 has 'much'"):
+        Case(column).feed()
+    sieves.unlink()
+    with pytest.raises(InputError, match=r"sieves.csv: file not found"):
+        Case(column).feed()
+
+
+def test_a_bimodal_feed() -> None:
+    fine = {"share": 0.25, "type": "uniform", "min": 1e-4, "max": 2e-4}
+    coarse = {"share": 0.75, **ROSIN}
+    both = sizes(type="sum", parts={"fine": fine, "coarse": coarse})
+    rosin = sizes(**ROSIN)
+    at = np.array([2.5e-4, 5e-4, 9e-4, 1.5e-3])
+    expected = 0.25 + 0.75 * np.where(at < 3e-4, 0, rosin.mass_share_below(at))
+    assert both.mass_share_below(at) == pytest.approx(expected, abs=1e-5)
+    for change, said in (({"share": 0}, "parts/fine/share"), ({"d63": 1}, "unknown entry"),
+                         ({"weighting": "number"}, "that of the sum")):  # fmt: skip
+        with pytest.raises(InputError, match=said):
+            sizes(type="sum", parts={"fine": {**fine, **change}, "coarse": coarse})
+
+
+def test_gates_gaudin_schuhmann() -> None:
+    ours = sizes(type="GatesGaudinSchuhmann", d100=1e-3, m=0.5, min=1e-5, max=1e-3)
+    low = 0.1
+    assert ours.mass_share_below(2.5e-4) == pytest.approx((0.5 - low) / (1 - low), abs=1e-5)
+
+
 def test_number_and_mass_of_a_uniform_distribution() -> None:
     # uniform in number from 0 to 1 (about): mass below d is d^4
     ours = sizes(type="uniform", min=1e-6, max=1e-3, weighting="number")
@@ -141,6 +184,13 @@ CHANGES = [
     ("massFraction 1", "massFraction 0.9", "massFraction adds up to 0.9"),
     ("(bottom)", "(botom)", "did you mean 'bottom'"),
     ("(bottom)", "(top)", "not in fines too"),
+    ("(bottom)", "(bottom bottom)", "each patch once ('bottom' is there twice)"),
+    ("(bottom)", "()", "outlets/coarse"),
+    ("coarse (bottom);", "fines (bottom);", "constant/feed: fines: is there twice; allowed: once"),
+    ("coarse (bottom);", "inside (bottom);", "'inside' cannot be a product"),
+    ("fines (top);", "", "open patch 'top'"),
+    ("patch feedSlot", "partitionTo nowhere;\npatch feedSlot", "partitionTo"),
+    ("coarse (bottom);", "coarse (bottom); dust (lid);", "the last product, dust, although"),
     ("feedSlot", "feedslot", "no patch 'feedslot'"),
     ("min 300e-6", "min -300e-6", "sizeDistribution/min"),
     ("type RosinRammler", "type RosinRamler", "did you mean 'RosinRammler'"),
@@ -163,3 +213,14 @@ def test_each_mistake_in_the_feed_is_named(column: Path, old: str, new: str, exp
         Case(column).feed()
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_products_are_any(column: Path) -> None:
+    path = column / "constant/feed"
+    text = path.read_text().replace("fines ", "up ").replace("coarse ", "down ")
+    path.write_text(text)
+    feed = Case(column).feed()
+    assert feed.outlets == {"up": ["top"], "down": ["bottom"]}
+    assert feed.partition_to == "down"
+    path.write_text(text.replace("patch  ", "partitionTo up; patch  "))
+    assert Case(column).feed().partition_to == "up"

@@ -408,3 +408,14 @@ def test_independent_events_have_a_design_effect_near_1() -> None:
     random = np.random.default_rng(3)
     effects = [design_effect(random.normal(size=2_000), np.arange(2_000.0)) for _ in range(200)]
     assert 1 <= np.mean(effects) < 1.05
+
+
+def test_a_product_of_few_heavy_parcels_is_no_error() -> None:
+    """Two heavy parcels went to fines, thirty light ones to coarse: these weigh a tenth of one."""
+    spread = np.exp(0.05 * np.random.default_rng(0).standard_normal(32))
+    diameter = np.repeat([4e-4, 9e-4], [2, 30]) * spread
+    coarse = diameter > 6e-4
+    fit = fit_partition(diameter, coarse, np.where(coarse, 1.0, 1e4))
+    share, low, high = fit.band(diameter)
+    assert np.all((low <= share) & (share <= high))
+    assert diameter[~coarse].max() <= fit.d50 <= diameter[coarse].min()

@@ -31,12 +31,14 @@ from elutria.physics.laws import drag_title
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
+MESH_SCRIPTS = ("Allmesh", "Allrun.pre")
+"""What makes a case's mesh otherwise than blockMesh alone; the first that is there."""
 
 # what a run leaves behind, not part of the case
 _LEFT_BEHIND = ("processor*", "postProcessing", "log.*", "log", "*.foam", "*.logfile", "PyFoam*",
                 "*.png", "*.svg", "*.pdf", "*.csv", "*.vtu", "*.pvd", "elutria.json",
                 "finished.json", "report.html", "atlas.html", "warnings.json", "VTK",
-                "progress.txt", "dynamicCode", "settledGas", ".git*")  # fmt: skip
+                "progress.txt", "dynamicCode", "settledGas", "__pycache__", ".git*")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -169,18 +171,24 @@ class Case:
         mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
         if (self.path / mesh).is_file():
             source, entries = mesh, read_list(self.path / mesh, self.path)
-        elif ((self.path / plan).exists() or (self.path / plan).is_symlink()) and not (
-            self.path / "Allrun.pre"
-        ).is_file():
+        elif (
+            (self.path / plan).exists() or (self.path / plan).is_symlink()
+        ) and not self.mesh_script:
             source = plan
             entries = self.dictionary(plan, with_included=True).raw("boundary", [])
         else:
             return "", {}
         return source, {str(e[0]): _patch_type(e[1]) for e in entries if isinstance(e, tuple)}
 
+    @property
+    def mesh_script(self) -> str:
+        """The case's own script that makes the mesh; empty without one."""
+        found = [name for name in MESH_SCRIPTS if (self.path / name).is_file()]
+        return found[0] if found else ""
+
     def check_mesh(self) -> None:
         """Raise InputError unless there is a plan of the mesh, or a complete mesh."""
-        if (self.path / "Allrun.pre").is_file():
+        if self.mesh_script:
             return
         plan, mesh = self.path / "system/blockMeshDict", self.path / "constant/polyMesh"
         if plan.is_symlink() or plan.exists():
@@ -192,7 +200,7 @@ class Case:
             check_mesh(mesh, f"{self.name}/constant/polyMesh")
         else:
             raise InputError(
-                f"{plan}: file not found; allowed: it, an Allrun.pre or a mesh in constant/polyMesh"
+                f"{plan}: file not found; allowed: it, an Allmesh or a mesh in constant/polyMesh"
             )
 
     def refuse_other_files(self, files: Iterable[str], option: str = "--set") -> None:
@@ -300,8 +308,9 @@ def _is_time(name: str) -> bool:
 def _files(case: Path) -> Iterator[Path]:
     """The input files of a case, in a fixed order; the mesh only when nothing makes it."""
     folders = ["0.orig" if (case / "0.orig").is_dir() else "0", "constant", "system"]
-    made = (case / "system/blockMeshDict").is_file() or (case / "Allrun.pre").is_file()
-    paths: list[Any] = [case / "Allrun.pre"] if (case / "Allrun.pre").is_file() else []
+    scripts = [case / name for name in MESH_SCRIPTS if (case / name).is_file()]
+    made = (case / "system/blockMeshDict").is_file() or scripts
+    paths: list[Any] = [*scripts]
     for folder in folders:
         paths += sorted((case / folder).rglob("*"))
     for path in paths:

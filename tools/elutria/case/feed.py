@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-from elutria.errors import InputError
+from elutria.errors import InputError, one_line
 from elutria.openfoam.dictionary import Dictionary, read_dictionary
 from elutria.physics.laws import least_density
 from elutria.physics.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
-    "FoamFile", "outlets", "patch", "zone", "loading", "massFlowRate", "start", "duration",
-    "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity", "seed",
-    "materials",
+    "FoamFile", "outlets", "partitionTo", "patch", "zone", "loading", "massFlowRate", "start",
+    "duration", "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity",
+    "seed", "materials",
 )  # fmt: skip
 MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
 
@@ -35,10 +36,11 @@ class Feed:
     """The feed as constant/feed states it. What the solver makes of it is in its plan. SI units.
 
     `loading` is kg of solids per kg of gas, `mass_flow_rate` kg/s: one of them is None.
-    `outlets` gives each product's patches.
+    `outlets` gives each product's patches, `partition_to` the product whose share the curve is.
     """
 
     outlets: dict[str, list[str]]
+    partition_to: str
     place: str
     place_is_patch: bool
     loading: float | None
@@ -58,7 +60,9 @@ class Feed:
 def read_feed(case: Path) -> Feed:
     """Read CASE/constant/feed. Raises InputError for the first entry that is not allowed."""
     entries = read_dictionary(case / "constant" / "feed", case)
+    entries.refuse_repeated()
     entries.refuse_unknown(ENTRIES)
+    outlets = _read_outlets(entries.sub("outlets"))
     place, is_patch = _read_place(entries)
     loading, rate = _read_rate(entries)
     duration = entries.number("duration", inf, above=0, unit="s")
@@ -72,7 +76,8 @@ def read_feed(case: Path) -> Feed:
         )
     velocity = entries.numbers("velocity", 3) if "velocity" in entries else [0.0, 0.0, 0.0]
     return Feed(
-        outlets=_read_outlets(entries.sub("outlets")),
+        outlets=outlets,
+        partition_to=_read_partition_to(entries, list(outlets)),
         place=place,
         place_is_patch=is_patch,
         loading=loading,
@@ -86,7 +91,7 @@ def read_feed(case: Path) -> Feed:
         drain_time=entries.number("drainTime", inf, at_least=0, unit="s"),
         velocity=(velocity[0], velocity[1], velocity[2]),
         seed=_read_seed(entries),
-        materials=_read_materials(entries.sub("materials")),
+        materials=_read_materials(entries.sub("materials"), case),
     )
 
 
@@ -128,20 +133,42 @@ def _read_seed(entries: Dictionary) -> int:
 
 
 def _read_outlets(entries: Dictionary) -> dict[str, list[str]]:
-    names = ("fines", "coarse", "other")
-    entries.refuse_unknown(names)
-    given = [name for name in names if name != "other" or name in entries]
-    outlets = {product: entries.words(product) for product in given}
-    taken: dict[str, str] = {}
-    for product, patches in outlets.items():
-        for patch in patches:
-            if taken.setdefault(patch, product) != product:
-                other = f"patches that are not in {taken[patch]} too ('{patch}' is)"
-                raise entries.refuse(product, other)
+    """Any number of products, each with patches that no other has."""
+    if not entries.entries:
+        raise entries.refuse("", "NAME (patches); for each product")
+    outlets: dict[str, list[str]] = {}
+    for product in entries.entries:
+        if product == "inside" or not re.fullmatch(r"[A-Za-z_][\w.+-]*", product):
+            raise InputError(
+                f"{entries.where()}: '{one_line(product, 40)}' cannot be a product; allowed: a "
+                "word that begins with a letter, but not inside, which is what has not left"
+            )
+        outlets[product] = entries.words(product)
+        for patch in outlets[product]:
+            others = [name for name, patches in outlets.items() if patch in patches]
+            if others != [product]:
+                raise entries.refuse(
+                    product, f"patches that are not in {others[0]} too ('{patch}' is)"
+                )
+            if outlets[product].count(patch) > 1:
+                raise entries.refuse(product, f"each patch once ('{patch}' is there twice)")
     return outlets
 
 
-def _read_materials(entries: Dictionary) -> list[Material]:
+def _read_partition_to(entries: Dictionary, products: list[str]) -> str:
+    """The last product (`other` aside) unless the feed says otherwise; where that is not the one
+    named coarse, it must say so: the curve would fall."""
+    usual = [name for name in products if name != "other"] or products
+    if "partitionTo" not in entries and "coarse" in usual[:-1]:
+        raise InputError(
+            f"{entries.where('outlets')}: the partition curve is the share to the last product, "
+            f"{usual[-1]}, although there is coarse; allowed: coarse as the last, or "
+            "'partitionTo NAME;'"
+        )
+    return entries.word("partitionTo", products, usual[-1])
+
+
+def _read_materials(entries: Dictionary, case: Path) -> list[Material]:
     if not entries.entries:
         raise entries.refuse("", "at least one material { ... }")
     materials = []
@@ -158,7 +185,7 @@ def _read_materials(entries: Dictionary) -> list[Material]:
                 ),
                 sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
-                sizes=read_size_distribution(entry.sub("sizeDistribution")),
+                sizes=read_size_distribution(entry.sub("sizeDistribution"), case),
             )
         )
     total = sum(material.mass_fraction for material in materials)

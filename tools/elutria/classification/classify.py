@@ -1,4 +1,5 @@
-"""From events to the rows of summary.csv, partition.csv, products.csv, fit.csv and curve.csv."""
+"""From events to the rows of summary.csv, partition.csv, product_partition.csv, products.csv,
+fit.csv and curve.csv."""
 
 from __future__ import annotations
 
@@ -25,11 +26,12 @@ Row = dict[str, Any]
 
 @dataclass
 class Classification:
-    """Rows of the five tables. `axes` are settings that rows have beside the gas velocity, as
+    """Rows of the six tables. `axes` are settings that rows have beside the gas velocity, as
     columns after the others."""
 
     summary: list[Row] = field(default_factory=list)
     partition: list[Row] = field(default_factory=list)
+    product_partition: list[Row] = field(default_factory=list)
     fits: list[Row] = field(default_factory=list)
     curves: list[Row] = field(default_factory=list)
     products: list[Row] = field(default_factory=list)
@@ -37,7 +39,8 @@ class Classification:
 
     def with_settings(self, values: Mapping[str, float | str]) -> Classification:
         """The same rows, each with these settings."""
-        for rows in (self.summary, self.partition, self.fits, self.curves, self.products):
+        for rows in (self.summary, self.partition, self.product_partition, self.fits, self.curves,
+                     self.products):  # fmt: skip
             for row in rows:
                 row.update(values)
         return self
@@ -51,17 +54,22 @@ class Classification:
         """Append another point's rows."""
         self.summary += other.summary
         self.partition += other.partition
+        self.product_partition += other.product_partition
         self.fits += other.fits
         self.curves += other.curves
         self.products += other.products
 
     def write(self, folder: Path) -> None:
-        """summary, partition, products, fit and curve.csv in `folder`, each written atomically."""
-        write_csv(folder / "partition.csv", (*tables.PARTITION, *self.axes), self.partition)
-        write_csv(folder / "fit.csv", (*tables.FIT, *self.axes), self.fits)
-        write_csv(folder / "curve.csv", (*tables.CURVE, *self.axes), self.curves)
-        write_csv(folder / "products.csv", (*tables.PRODUCTS, *self.axes), self.products)
-        write_csv(folder / "summary.csv", (*tables.SUMMARY, *self.axes), self.summary)
+        """All six in `folder`, each written atomically."""
+        for name, columns, rows in (
+            ("partition", tables.PARTITION, self.partition),
+            ("product_partition", tables.PRODUCT_PARTITION, self.product_partition),
+            ("fit", tables.FIT, self.fits),
+            ("curve", tables.CURVE, self.curves),
+            ("products", tables.PRODUCTS, self.products),
+            ("summary", tables.SUMMARY, self.summary),
+        ):
+            write_csv(folder / f"{name}.csv", (*columns, *self.axes), rows)
 
 
 def classify(run: Run, velocity: float, wall_time: float, warned: int = 0) -> Classification:
@@ -84,6 +92,9 @@ def classify(run: Run, velocity: float, wall_time: float, warned: int = 0) -> Cl
         key = {"gas_velocity_m_s": velocity, "material": name}
         result.summary.append({**key, **_summary(run, name, events, fits[name], wall_time)})
         result.partition += [{**key, **_partition(entry)} for entry in table]
+        result.product_partition += [
+            {**key, **row} for entry in table for row in _product_partition(entry)
+        ]
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
         result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
     for summary in result.summary:
@@ -114,7 +125,7 @@ def _summary(run: Run, name: str, events: Events, fit: PartitionFit, wall_time: 
     account = run.accounts[name]
     mass = events.mass
     left = float(np.sum(mass[events.has_left]))
-    fines = float(np.sum(mass[events.outlet == "fines"]))
+    fines = float(np.sum(mass[events.has_left & ~events.is_coarse]))
     low, high = fit.sizes[0.50][1:]
     return {
         "d25_m": fit.d25,
@@ -150,6 +161,23 @@ def _partition(entry: SizeClass) -> Row:
         "ci_low": entry.share_low,
         "ci_high": entry.share_high,
     }
+
+
+def _product_partition(entry: SizeClass) -> list[Row]:
+    return [
+        {
+            "product": one.product,
+            "diameter_low_m": entry.low,
+            "diameter_high_m": entry.high,
+            "diameter_m": entry.diameter,
+            "product_kg": one.mass,
+            "partition": one.share,
+            "ci_low": one.share_low,
+            "ci_high": one.share_high,
+            "cumulative": one.cumulative,
+        }
+        for one in entry.products
+    ]
 
 
 def _fit_rows(fit: PartitionFit, events: Events) -> list[Row]:

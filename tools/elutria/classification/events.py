@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, pi
 from pathlib import Path
 from typing import Any
@@ -26,25 +26,29 @@ from elutria.files import read_json, reading
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-PRODUCTS = ("fines", "coarse")
+INSIDE = "inside"
+"""The place of what has not left, beside the products."""
 OTHER = "other"
-"""What leaves through patches of neither product: the curve leaves it out."""
-PLACES = (*PRODUCTS, OTHER, "inside")
+"""A product that the curve leaves out, unless it is the one that it is of."""
+PLACES = ("fines", "coarse", INSIDE)
+"""Where no others are named."""
 _TYPES: dict[str, Any] = {
     **dict.fromkeys(tables.EVENTS, "float64"),
     "outlet": "category",
     "material": "category",
     "id": "int64",
 }
+_COLUMNS = ("material", "outlet", "diameter", "density", "number", "time")
 
 
 @dataclass(frozen=True)
 class Events:
     """Parcels as columns of one length (n,), SI units; 34 bytes a parcel.
 
-    `material` and `outlet` are categories, given as such or as an array of names. `outlet` is
-    ``fines``, ``coarse``, ``other`` or ``inside``; `number` is how many particles a parcel stands
-    for; `time` is when it entered, of joined runs one after the other.
+    `material` and `outlet` are categories, given as such or as an array of names. `outlet` is a
+    product, in the order of the feed, or ``inside``; `number` is how many particles a parcel stands
+    for; `time` is when it entered, of joined runs one after the other. `partition_to` is the
+    product whose share the partition curve is.
     """
 
     material: pd.Categorical
@@ -53,6 +57,7 @@ class Events:
     density: Array
     number: Array
     time: Array
+    partition_to: str = "coarse"
 
     def __post_init__(self) -> None:
         for name, categories in (("material", None), ("outlet", list(PLACES))):
@@ -63,7 +68,7 @@ class Events:
     @property
     def nbytes(self) -> int:
         """Memory of all columns, bytes."""
-        return sum(int(column.nbytes) for column in vars(self).values())
+        return sum(int(getattr(self, name).nbytes) for name in _COLUMNS)
 
     @property
     def mass(self) -> Array:
@@ -71,26 +76,37 @@ class Events:
         return self.number * self.density * pi / 6 * self.diameter**3
 
     @property
+    def products(self) -> list[str]:
+        """The products, in the order of the feed."""
+        return [str(name) for name in self.outlet.categories if name != INSIDE]
+
+    @property
     def has_left(self) -> Flags:
-        """Whether each parcel left with a product of the curve."""
-        return np.asarray(self.outlet.isin(PRODUCTS))
+        """Whether each parcel left with a product that the curve counts: not with `other`."""
+        counted = self.is_out & np.asarray(self.outlet != OTHER)
+        return np.asarray(counted | self.is_coarse)
+
+    @property
+    def is_out(self) -> Flags:
+        """Whether each parcel left, with whatever product."""
+        return np.asarray(self.outlet != INSIDE)
 
     @property
     def is_inside(self) -> Flags:
         """Whether each parcel is inside."""
-        return np.asarray(self.outlet == "inside")
+        return np.asarray(self.outlet == INSIDE)
 
     @property
     def is_coarse(self) -> Flags:
-        """Whether each parcel left with the coarse product."""
-        return np.asarray(self.outlet == "coarse")
+        """Whether each parcel left with the product whose share the partition curve is."""
+        return np.asarray(self.outlet == self.partition_to)
 
     def __len__(self) -> int:
         return int(self.diameter.size)
 
     def select(self, flags: Flags) -> Events:
         """The parcels where `flags` is true."""
-        return Events(**{name: values[flags] for name, values in vars(self).items()})
+        return replace(self, **{name: getattr(self, name)[flags] for name in _COLUMNS})
 
     def of_material(self, name: str) -> Events:
         """The parcels of a material; all of them for ``all``."""
@@ -124,9 +140,10 @@ class Run:
 
 def join(runs: list[Run]) -> Run:
     """Replicates of one velocity, taken together."""
-    parts = {name: [getattr(run.events, name) for run in runs] for name in vars(runs[0].events)}
+    parts = {name: [getattr(run.events, name) for run in runs] for name in _COLUMNS}
     parts["time"] = _one_after_the_other(parts["time"])
-    events = Events(**{name: _concatenate(columns) for name, columns in parts.items()})
+    first = runs[0].events
+    events = replace(first, **{name: _concatenate(columns) for name, columns in parts.items()})
     names = [name for name in runs[0].accounts if all(name in run.accounts for run in runs)]
     return Run(events, {name: _sum([run.accounts[name] for run in runs]) for name in names})
 
@@ -173,16 +190,18 @@ def read_run(case: Path) -> Run:
     if (folder / "inside.csv").is_file():
         files.append(folder / "inside.csv")
     rows = _read_all(files)
-    _check_rows(rows, folder)
+    accounts = _read_accounts(ledger, ledger_file)
+    places = [*accounts["all"].outlets, INSIDE]
+    _check_rows(rows, places, folder)
     events = Events(
         material=rows["material"],
-        outlet=rows["outlet"].set_categories(list(PLACES)),
+        outlet=rows["outlet"].set_categories(places),
         diameter=rows["diameter_m"],
         density=rows["density_kg_m3"],
         number=rows["n_particle"],
         time=rows["time_s"] - rows["residence_time_s"],
+        partition_to=_partition_to(ledger, places[:-1], ledger_file),
     )
-    accounts = _read_accounts(ledger, ledger_file)
     _compare(events, accounts["all"], _section(ledger, "total", ledger_file), folder)
     return Run(events, accounts)
 
@@ -226,15 +245,27 @@ def _read_rows(path: Path) -> pd.DataFrame:
             raise InputError(f"{path}: {one_line(error)}") from error
 
 
-def _check_rows(rows: dict[str, Any], folder: Path) -> None:
+def _partition_to(ledger: dict[str, Any], products: list[str], file: Path) -> str:
+    """The product whose share the curve is; ledgers of older runs do not say it: the last one."""
+    if not products:
+        raise InputError(f"{file}: total: outlets: has none; allowed: at least one product")
+    named = ledger.get("partition_to", products[-1])
+    if named not in products:
+        raise InputError(
+            f"{file}: partition_to: {one_line(named, 40)}; allowed: {', '.join(products)}"
+        )
+    return str(named)
+
+
+def _check_rows(rows: dict[str, Any], places: list[str], folder: Path) -> None:
     for name in ("diameter_m", "density_kg_m3", "n_particle"):
         wrong = ~(np.isfinite(rows[name]) & (rows[name] > 0))
         if np.any(wrong):
             value = rows[name][wrong][0]
             raise InputError(f"{folder}: {name} is {value:g} in a row; allowed: a number > 0")
-    for name in sorted(set(rows["outlet"].categories) - set(PLACES)):
+    for name in sorted(set(rows["outlet"].categories) - set(places)):
         raise InputError(
-            f"{folder}: outlet is '{one_line(name, 40)}' in a row; allowed: {', '.join(PLACES)}"
+            f"{folder}: outlet is '{one_line(name, 40)}' in a row; allowed: {', '.join(places)}"
         )
     twice = pd.Index(rows["id"]).duplicated()
     if np.any(twice):

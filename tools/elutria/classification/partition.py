@@ -39,11 +39,26 @@ class Cut:
 
 
 @dataclass(frozen=True)
+class ProductShare:
+    """A product in a size class: its mass (kg), its share of what has left with Wilson's interval,
+    and the share of it and of all products before it."""
+
+    product: str
+    mass: float
+    share: float
+    share_low: float
+    share_high: float
+    cumulative: float
+
+
+@dataclass(frozen=True)
 class SizeClass:
     """One class. Diameters in m, masses in kg. `diameter` is the mass-weighted geometric mean of
     what is in the class, since a class at the feed's end is not filled evenly.
 
-    `share` is the mass share to coarse of what has left, nan when nothing has.
+    `coarse` is what left with the product whose share the curve is, `fines` what left with others.
+    `share` is the mass share to coarse of what has left, nan when nothing has. `products` says the
+    same of each product, in the order of the feed.
     """
 
     low: float
@@ -55,6 +70,7 @@ class SizeClass:
     share: float
     share_low: float
     share_high: float
+    products: tuple[ProductShare, ...] = ()
 
     @property
     def feed(self) -> float:
@@ -104,10 +120,13 @@ def partition_table(events: Events, limits: Array) -> list[SizeClass]:
         if not here.any():
             continue
         left = here & events.has_left
-        coarse = here & events.is_coarse
-        total, heavy = float(mass[left].sum()), float(mass[coarse].sum())
+        total, heavy = float(mass[left].sum()), float(mass[here & events.is_coarse].sum())
         share = heavy / total if total > 0 else nan
         number = total**2 / float(np.sum(mass[left] ** 2)) if total > 0 else 0.0
+        masses = {
+            product: float(mass[here & (events.outlet == product)].sum())
+            for product in events.products
+        }
         classes.append(
             SizeClass(
                 low=float(limits[k]),
@@ -119,9 +138,21 @@ def partition_table(events: Events, limits: Array) -> list[SizeClass]:
                 share=share,
                 share_low=wilson(share, number)[0],
                 share_high=wilson(share, number)[1],
+                products=_product_shares(masses, number),
             )
         )
     return classes
+
+
+def _product_shares(masses: dict[str, float], number: float) -> tuple[ProductShare, ...]:
+    """Of each product's mass; `number` is how many parcels of equal mass have left."""
+    total, before, shares = sum(masses.values()), 0.0, []
+    for product, mass in masses.items():
+        share = mass / total if total > 0 else nan
+        before += mass
+        cumulative = min(before / total, 1.0) if total > 0 else nan
+        shares.append(ProductShare(product, mass, share, *wilson(share, number), cumulative))
+    return tuple(shares)
 
 
 def _mean_diameter(diameter: Array, mass: Array) -> float:

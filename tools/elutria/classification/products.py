@@ -26,11 +26,11 @@ QUANTILES = {"d10": 0.10, "d50": 0.50, "d90": 0.90}
 
 def product_rows(events: Events, materials: list[str]) -> list[Row]:
     """A row per product and material, then one for all materials of the product."""
-    left = events.select(events.has_left)
+    left = events.select(events.is_out)
     mass = left.mass
     everyone = np.ones(len(left), dtype=bool)
     rows = []
-    for product in [str(name) for name in events.outlet.categories if name != "inside"]:
+    for product in events.products:
         in_product = np.asarray(left.outlet == product)
         for material in [*materials, "all"]:
             of_material = everyone if material == "all" else np.asarray(left.material == material)

@@ -21,6 +21,8 @@ from elutria.errors import InputError, one_line, suggestion
 from elutria.files import read_text, writing_to
 
 _MISSING = object()
+_TWICE = re.compile(r"Duplicate .* entry for keyword: '?([^' ]+)'? ")
+"""foamlib's warning."""
 _INCLUDES = {"#include": True, "#sinclude": False, "#includeIfPresent": False}
 
 
@@ -33,11 +35,13 @@ class Dictionary:
         file: str,
         path: tuple[str, ...] = (),
         included: tuple[str, ...] = (),
+        repeated: tuple[str, ...] = (),
     ):
         self.entries = dict(entries)
         self.file = file
         self.path = path
         self.included = included
+        self.repeated = repeated
         self._taken: set[str] = set()
 
     def where(self, name: str = "") -> str:
@@ -147,6 +151,11 @@ class Dictionary:
                     f"allowed: {', '.join(names)}"
                 )
 
+    def refuse_repeated(self) -> None:
+        """Raise InputError where the file has an entry twice, of which OpenFOAM takes the last."""
+        for name in self.repeated:
+            raise InputError(f"{self.file}: {name}: is there twice; allowed: once")
+
 
 def in_words(value: Any) -> str:
     """A parsed value as a dictionary has it: `5`, `word`, `(0 0 1)`."""
@@ -187,16 +196,16 @@ def read_dictionary(
     Raises InputError naming the file.
     """
     shown = _shown(path, case)
-    raw = _parse(path, shown)
+    raw, repeated = _parse(path, shown)
     resolved: dict[str, Any] = {}
     included = _load(raw, path, case, resolved, depth=0)
     entries = {k: v for k, v in resolved.items() if with_included or k in raw}
-    return Dictionary(entries, shown, included=tuple(included))
+    return Dictionary(entries, shown, included=tuple(included), repeated=repeated)
 
 
 def read_list(path: Path, case: Path | None = None) -> list[Any]:
     """A file that holds one list, such as constant/polyMesh/boundary."""
-    value = _parse(path, _shown(path, case)).get(None)
+    value = _parse(path, _shown(path, case))[0].get(None)
     if not isinstance(value, list):
         raise InputError(f"{_shown(path, case)}: must hold a list ( ... )")
     return value
@@ -208,8 +217,9 @@ def _shown(path: Path, case: Path | None) -> str:
     return str(path)
 
 
-def _parse(path: Path, shown: str) -> Mapping[Any, Any]:
-    """The entries of a file as foamlib gives them; those that include are lists of names."""
+def _parse(path: Path, shown: str) -> tuple[Mapping[Any, Any], tuple[str, ...]]:
+    """The entries of a file as foamlib gives them, and those of which it has two; those that
+    include are lists of names."""
     try:
         return _parse_text(read_text(path, limit=5_000_000))
     except InputError:
@@ -221,14 +231,16 @@ def _parse(path: Path, shown: str) -> Mapping[Any, Any]:
 
 
 @lru_cache(maxsize=64)
-def _parse_text(text: str) -> Mapping[Any, Any]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+def _parse_text(text: str) -> tuple[Mapping[Any, Any], tuple[str, ...]]:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
         parsed: Any = FoamFile.loads(re.sub(r"\$\{([\w.:]+)\}", r"$\1", text))
+    twice = [found[1] for warning in said if (found := _TWICE.match(str(warning.message)))]
     if not isinstance(parsed, Mapping):
-        return {None: parsed}
-    repeated = getattr(parsed, "getall", lambda key: [parsed[key]])
-    return {key: repeated(key) if key in _INCLUDES else parsed[key] for key in parsed}
+        return {None: parsed}, ()
+    every = getattr(parsed, "getall", lambda key: [parsed[key]])
+    entries = {key: every(key) if key in _INCLUDES else parsed[key] for key in parsed}
+    return entries, tuple(twice)
 
 
 def _load(
@@ -248,7 +260,7 @@ def _load(
                 name = str(word).strip('"')
                 target = path.parent / name.replace("<case>", str(case or "."))
                 if target.is_file():
-                    nested = _parse(target, _shown(target, case))
+                    nested, _ = _parse(target, _shown(target, case))
                     included += [name, *_load(nested, target, case, scope, depth + 1)]
                 elif _INCLUDES[key]:
                     shown = one_line(name, 60)
@@ -304,7 +316,7 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
     Raises InputError when the entry does not exist or the value is not one OpenFOAM value.
     """
     shown = _shown(path, case)
-    current: Any = _parse(path, shown)
+    current: Any = _parse(path, shown)[0]
     keys = entry.split("/")
     for depth, key in enumerate(keys):
         if not isinstance(current, Mapping) or key not in current:

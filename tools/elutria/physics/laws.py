@@ -37,6 +37,11 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     ),
     "elutriaLawSizes": (c_char_p, [c_char_p, _NUMBERS, _NUMBERS, c_int, POINTER(c_void_p)]),
     "elutriaSievedSizes": (c_char_p, [_NUMBERS, _NUMBERS, c_int, c_int, POINTER(c_void_p)]),
+    "elutriaSieveTable": (c_char_p, [c_char_p, c_double, c_int, POINTER(c_void_p)]),
+    "elutriaMixedSizes": (
+        c_char_p,
+        [POINTER(c_void_p), _NUMBERS, c_int, c_int, POINTER(c_void_p)],
+    ),
     "elutriaSingleSize": (c_char_p, [c_double, POINTER(c_void_p)]),
     "elutriaSizePoints": (c_int, [c_void_p]),
     "elutriaMeanCube": (c_double, [c_void_p]),
@@ -174,50 +179,61 @@ def size_laws() -> dict[str, tuple[str, ...]]:
     }
 
 
-def law_sizes(
-    law: str, parameters: list[float], low: float, high: float, weighting: str
-) -> tuple[Array, Array, Array, float]:
-    """See _curves. Raises ValueError that says what is allowed."""
-    sizes = c_void_p()
-    _check(
-        _library().elutriaLawSizes(
-            law.encode(), _numbers(_array(parameters)), _numbers(_array([low, high])),
-            int(weighting == "number"), byref(sizes),
+class Sizes:
+    """A size distribution of the library; freed with this."""
+
+    def __init__(self, make: str, *arguments: Any):
+        """`make` names the function. Raises ValueError that says what is allowed."""
+        self._pointer = c_void_p()
+        _check(getattr(_library(), make)(*arguments, byref(self._pointer)))
+
+    def __del__(self) -> None:
+        if self._pointer:
+            _library().elutriaFreeSizes(self._pointer)
+
+    def curves(self) -> tuple[Array, Array, Array, float]:
+        """Diameters (m), cumulative shares of mass and of number, number mean of d^3 (m3)."""
+        library = _library()
+        points = library.elutriaSizePoints(self._pointer)
+        diameters, mass, number = (np.empty(points) for _ in range(3))
+        library.elutriaSizeCurves(
+            self._pointer, _numbers(diameters), _numbers(mass), _numbers(number)
         )
-    )  # fmt: skip
-    return _curves(sizes)
+        return diameters, mass, number, float(library.elutriaMeanCube(self._pointer))
+
+    @classmethod
+    def mixed(cls, parts: list[Sizes], shares: list[float], weighting: str) -> Sizes:
+        """Several at once, each with its share."""
+        pointers = (c_void_p * len(parts))(*(part._pointer for part in parts))
+        own = _array(shares)
+        return cls("elutriaMixedSizes", pointers, _numbers(own), own.size, _by(weighting))
 
 
-def sieved_sizes(
-    diameters: list[float], finer: list[float], weighting: str
-) -> tuple[Array, Array, Array, float]:
-    """Of a sieve analysis, see _curves. Raises ValueError that says what is allowed."""
+def law_sizes(law: str, parameters: list[float], low: float, high: float, weighting: str) -> Sizes:
+    """Of a law between two limits. Raises ValueError that says what is allowed."""
+    limits = _numbers(_array([low, high]))
+    return Sizes(
+        "elutriaLawSizes", law.encode(), _numbers(_array(parameters)), limits, _by(weighting)
+    )
+
+
+def sieved_sizes(diameters: list[float], finer: list[float], weighting: str) -> Sizes:
+    """Of a sieve analysis. Raises ValueError that says what is allowed."""
     if len(diameters) != len(finer):
         raise ValueError("diameters, cumulative: allowed: lists of the same length")
-    sizes = c_void_p()
     at, shares = _array(diameters), _array(finer)
-    _check(
-        _library().elutriaSievedSizes(
-            _numbers(at), _numbers(shares), at.size, int(weighting == "number"), byref(sizes)
-        )
-    )
-    return _curves(sizes)
+    return Sizes("elutriaSievedSizes", _numbers(at), _numbers(shares), at.size, _by(weighting))
 
 
-def single_size(diameter: float) -> tuple[Array, Array, Array, float]:
-    """See _curves. Raises ValueError that says what is allowed."""
-    sizes = c_void_p()
-    _check(_library().elutriaSingleSize(diameter, byref(sizes)))
-    return _curves(sizes)
+def sieve_table(text: str, low: float, weighting: str) -> Sizes:
+    """Of a sieve analysis as the text of a csv. Raises ValueError that says what is allowed."""
+    return Sizes("elutriaSieveTable", text.encode(), low, _by(weighting))
 
 
-def _curves(sizes: c_void_p) -> tuple[Array, Array, Array, float]:
-    """Diameters (m), cumulative shares of mass and of number, and the number mean of d^3 (m3)."""
-    library = _library()
-    try:
-        points = library.elutriaSizePoints(sizes)
-        diameters, mass, number = (np.empty(points) for _ in range(3))
-        library.elutriaSizeCurves(sizes, _numbers(diameters), _numbers(mass), _numbers(number))
-        return diameters, mass, number, float(library.elutriaMeanCube(sizes))
-    finally:
-        library.elutriaFreeSizes(sizes)
+def single_size(diameter: float) -> Sizes:
+    """Of one size. Raises ValueError that says what is allowed."""
+    return Sizes("elutriaSingleSize", diameter)
+
+
+def _by(weighting: str) -> int:
+    return int(weighting == "number")

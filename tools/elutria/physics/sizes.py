@@ -7,11 +7,13 @@ here stands what a dictionary may say. Sizes are diameters in m.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from elutria.errors import InputError
+from elutria.files import read_text
 from elutria.openfoam.dictionary import Dictionary
 from elutria.physics import laws
 
@@ -20,7 +22,7 @@ Array = NDArray[np.float64]
 SMALLEST, LARGEST = 1e-8, 0.5
 """Sizes (m) beyond which a number is more likely in another unit."""
 
-_NOT_SIZES = {"n": 100.0, "sigma": 1e3}
+_NOT_SIZES = {"n": 100.0, "m": 100.0, "sigma": 1e3}
 """Parameters of the laws that are no sizes, and the largest value that makes sense."""
 
 
@@ -77,31 +79,60 @@ def entries() -> dict[str, tuple[str, ...]]:
     known = {law: (*bounds, *parameters) for law, parameters in laws.size_laws().items()}
     known["fixedValue"] = ("type", "value", "weighting")
     known["table"] = ("type", "diameters", "cumulative", "weighting")
+    known["sieve"] = ("type", "file", "min", "weighting")
+    known["sum"] = ("type", "parts", "weighting")
     return known
 
 
-def read_size_distribution(entry: Dictionary) -> SizeDistribution:
-    """From a `sizeDistribution` dictionary. Raises InputError naming the entry and its range."""
+def read_size_distribution(entry: Dictionary, case: Path = Path()) -> SizeDistribution:
+    """From a `sizeDistribution` dictionary; a file that it names is in the folder `case`. Raises
+    InputError naming the entry and its range."""
+    weighting = entry.word("weighting", ("mass", "number"), default="mass")
+    return SizeDistribution(entry.word("type", entries()), *_read(entry, case, weighting).curves())
+
+
+def _read(entry: Dictionary, case: Path, weighting: str, more: tuple[str, ...] = ()) -> laws.Sizes:
     known = entries()
     kind = entry.word("type", known)
-    entry.refuse_unknown(known[kind])
-    weighting = entry.word("weighting", ("mass", "number"), default="mass")
+    entry.refuse_unknown((*known[kind], *more))
     try:
         if kind == "fixedValue":
-            curves = laws.single_size(_size(entry, "value"))
-        elif kind == "table":
-            curves = laws.sieved_sizes(_sieves(entry), entry.numbers("cumulative"), weighting)
-        else:
-            curves = laws.law_sizes(
-                kind,
-                [_parameter(entry, name) for name in laws.size_laws()[kind]],
-                _size(entry, "min"),
-                _size(entry, "max"),
-                weighting,
-            )
+            return laws.single_size(_size(entry, "value"))
+        if kind == "table":
+            return laws.sieved_sizes(_sieves(entry), entry.numbers("cumulative"), weighting)
+        if kind == "sieve":
+            return _read_table(entry, case, weighting)
+        if kind == "sum":
+            return _read_sum(entry, case, weighting)
+        return laws.law_sizes(
+            kind,
+            [_parameter(entry, name) for name in laws.size_laws()[kind]],
+            _size(entry, "min"),
+            _size(entry, "max"),
+            weighting,
+        )
     except ValueError as error:
         raise InputError(f"{entry.where()}: {error}") from error
-    return SizeDistribution(kind, *curves)
+
+
+def _read_table(entry: Dictionary, case: Path, weighting: str) -> laws.Sizes:
+    file = case / entry.word("file")
+    low = _size(entry, "min") if "min" in entry else 0.0
+    try:
+        return laws.sieve_table(read_text(file, limit=1_000_000), low, weighting)
+    except ValueError as error:
+        raise InputError(f"{entry.where('file')}: {file}: {error}") from error
+
+
+def _read_sum(entry: Dictionary, case: Path, weighting: str) -> laws.Sizes:
+    parts = entry.sub("parts")
+    own = [parts.sub(name) for name in parts.entries]
+    for part in own:
+        part.number("share", above=0, at_most=1e6)
+        if "weighting" in part:
+            raise part.refuse("weighting", "that of the sum")
+    curves = [_read(part, case, weighting, ("share",)) for part in own]
+    return laws.Sizes.mixed(curves, [part.number("share") for part in own], weighting)
 
 
 def _size(entry: Dictionary, name: str) -> float:

@@ -58,7 +58,7 @@ class Goal:
         by_time = step.time / self.latest if self.latest > 0 else 0.0
         if not self.parcels:
             return min(by_time, 1.0)
-        by_number = (0.5 * step.fed + 0.5 * (step.fines + step.coarse)) / self.parcels
+        by_number = (0.5 * step.fed + 0.5 * sum(step.left.values())) / self.parcels
         return min(max(by_number, by_time), 1.0)
 
 
@@ -280,17 +280,18 @@ def _need_programs(np: int) -> None:
 
 
 def make_mesh(case: Case) -> None:
-    """Allrun.pre where the case has one, blockMesh with a blockMeshDict, else the mesh as it is."""
-    if (case.path / "Allrun.pre").is_file():
-        _program(["./Allrun.pre"], case.path, "log.Allrun.pre")
+    """The case's own script, blockMesh with a blockMeshDict, else the mesh as it is."""
+    if script := case.mesh_script:
+        _program([f"./{script}"], case.path, f"log.{script}", refuses=True)
     elif (case.path / "system/blockMeshDict").is_file():
         _program(["blockMesh"], case.path, "log.blockMesh")
     case.check_mesh()
     case.feed()  # its patches, now that the mesh is there
 
 
-def _program(arguments: list[str], folder: Path, log: str) -> None:
-    """Run a program in `folder`, its output in `log`. Raises ElutriaError when it fails."""
+def _program(arguments: list[str], folder: Path, log: str, refuses: bool = False) -> None:
+    """Run a program in `folder`, its output in `log`. Raises ElutriaError when it fails; InputError
+    with its last line where exit code 2 of it means that it refuses its input."""
     with (
         writing_to(folder),
         (folder / log).open("w") as output,
@@ -304,6 +305,8 @@ def _program(arguments: list[str], folder: Path, log: str) -> None:
             raise ElutriaError(
                 f"{folder / arguments[0]}: cannot be run ({error.strerror})"
             ) from error
+    if refuses and code == InputError.exit_code:
+        raise InputError(_reason(folder / log).removeprefix("elutria: "))
     if code != 0:
         raise ElutriaError(f"{arguments[0]} failed in {folder}: {_reason(folder / log)}")
 

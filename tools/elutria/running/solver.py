@@ -18,19 +18,16 @@ from PyFoam.Execution.BasicRunner import BasicRunner
 from elutria.files import writing_to
 from elutria.openfoam.started import started_in
 
-_STEP = re.compile(
-    r"elutria: time (\S+) fed (\d+) fines (\d+) coarse (\d+)(?: other \d+)? inside (\d+) lost (\d+)"
-)
+_STEP = re.compile(r"elutria: time (\S+) fed (\d+)((?: \S+ \d+)*) inside (\d+) lost (\d+)")
 
 
 @dataclass(frozen=True)
 class Step:
-    """What the solver says after a time step."""
+    """What the solver says after a time step: parcels; `left` by product, in the feed's order."""
 
     time: float
     fed: int
-    fines: int
-    coarse: int
+    left: dict[str, int]
     inside: int
     lost: int
 
@@ -112,8 +109,9 @@ class _Runner(BasicRunner):  # type: ignore[misc]
     def lineHandle(self, line: str) -> None:
         match = _STEP.match(line)
         if match:
-            numbers = [int(text) for text in match.groups()[1:]]
-            self.on_step(Step(float(match[1]), *numbers))
+            words = match[3].split()
+            left = {name: int(text) for name, text in zip(words[::2], words[1::2], strict=True)}
+            self.on_step(Step(float(match[1]), int(match[2]), left, int(match[4]), int(match[5])))
         elif line.startswith("elutria: failed:"):
             self.failed = line.removeprefix("elutria: failed:").strip()
         elif line.startswith("elutria: finished"):

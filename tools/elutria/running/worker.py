@@ -138,7 +138,8 @@ def main(arguments: list[str]) -> int:
 
 def note(step: Step) -> str:
     """The solver's numbers, short."""
-    return f"fines {step.fines} coarse {step.coarse} inside {step.inside}"
+    left = " ".join(f"{product} {number}" for product, number in step.left.items())
+    return f"{left} inside {step.inside}"
 
 
 if __name__ == "__main__":

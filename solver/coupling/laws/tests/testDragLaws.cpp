@@ -72,6 +72,25 @@ TEST_CASE("all laws of single spheres end in Stokes' drag, 24/Re")
     }
 }
 
+TEST_CASE("Hoelzer and Sommerfeld's law: spheres, and a slender spheroid in Stokes' range")
+{
+    const double percent[]{2, -16, 9, 20};
+    for (int i = 0; i < 4; ++i)
+    {
+        const double ratio = Cd("HoelzerSommerfeldDrag", reynolds[i])/standardCurve[i];
+        CHECK(std::abs(100*(ratio - 1) - percent[i]) < 0.6);
+    }
+    CHECK(1e-10*Cd("HoelzerSommerfeldDrag", 1e-10) == near(24, 1e-5));
+
+    // Mean over all orientations of a prolate spheroid, 5 to 1, in creeping flow: Perrin 1934. Its
+    // sphericity from the closed form of its surface. 0.1: the law has no exact limit for shapes
+    const double p = 5, e = std::sqrt(1 - 1/(p*p));
+    const double surface = 0.5*(1 + p*std::asin(e)/e);      // over that of the sphere of its width
+    const double sphericity = std::pow(p, 2.0/3)/surface;
+    const double perrin = std::sqrt(p*p - 1)/(std::cbrt(p)*std::log(p + std::sqrt(p*p - 1)));
+    CHECK(1e-10*Cd("HoelzerSommerfeldDrag", 1e-10, 1, sphericity)/24 == near(perrin, 0.1));
+}
+
 TEST_CASE("less round particles have more drag, where the law knows of their shape")
 {
     for (const DragLaw& law : dragLaws())

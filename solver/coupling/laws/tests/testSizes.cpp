@@ -1,6 +1,7 @@
 // Size distributions against integrals of the literature's densities (scipy's quad of the densities
 // in the package `fluids`: pdf_Rosin_Rammler, pdf_lognormal).
 #include "SizeCurves.hpp"
+#include "SizeTables.hpp"
 
 #include "near.hpp"
 
@@ -161,6 +162,89 @@ TEST_CASE("what is not allowed is named, with its value and what is")
     CHECK(complaint([] { sieved({1e-4, 2e-4, 3e-4}, {0, 0.9, 0.8}); }) != "");
     CHECK(complaint([] { sieved({1e-4, 2e-4}, {0, 0.9}); }) != "");
     CHECK(complaint([] { single(0); }) != "");
+}
+
+TEST_CASE("Gates, Gaudin and Schuhmann's law: its quantiles, and the number mean of d^3")
+{
+    // m 2 between 0.2 and 1: the mass density is 2d/0.96, the number density 2/(0.96 d^2)
+    const SizeCurves sizes = of("GatesGaudinSchuhmann", {1, 2}, 0.2, 1);
+    for (const double u : {0.1, 0.5, 0.9})
+        CHECK(sizes.quantileByMass(u) == near(std::sqrt(0.04 + 0.96*u), 1e-5));
+    CHECK(sizes.meanCube() == near(0.96/2/(1/0.2 - 1), 1e-5));
+    CHECK_THROWS_AS(of("GatesGaudinSchuhmann", {1, 2}, 2, 3), std::invalid_argument);
+}
+
+TEST_CASE("one sieve analysis as it is written in three ways")
+{
+    const char* ways[]{"diameter_m,cumulative\n1e-4,0\n2e-4,0.25\n4e-4,0.75\n8e-4,1\n",
+                       "retained_g,diameter_um\r\n0,800\r\n50,400\r\n100,200\r\n50,100\r\n",
+                       "\"diameter_mm\", \"cumulative_percent\", note\n0.8,99.8,\n0.2,25,x\n"
+                       "0.4,75,\n1.6,100,\n0.1,0,\n0.05,0,\n"};
+    for (const char* csv : ways)
+    {
+        CAPTURE(csv);
+        const CumulativeCurve curve = sieveTable(csv, 0);
+        CHECK(curve.diameter.front() == near(1e-4, 1e-12));
+        const SizeCurves sizes(curve, Weighting::mass);
+        CHECK(sizes.quantileByMass(0.25) == near(2e-4, 1e-3));
+        CHECK(sizes.quantileByMass(0.5) == near(3e-4, 1e-3));
+        CHECK(sizes.quantileByMass(0.75) == near(4e-4, 1e-3));
+    }
+}
+
+TEST_CASE("what passed the finest sieve needs a smallest size")
+{
+    for (const char* csv : {"diameter_m,retained\n0,10\n1e-4,90\n2e-4,0\n",
+                            "diameter_m,cumulative\n1e-4,0.1\n2e-4,1\n"})
+    {
+        CAPTURE(csv);
+        CHECK_THROWS_WITH_AS(sieveTable(csv, 0),
+                             "min is 0 and 10 % passed the finest sieve, allowed: a smallest size of"
+                             " that above 0 and below 0.0001 m", std::invalid_argument);
+        CHECK_THROWS_AS(sieveTable(csv, 1e-4), std::invalid_argument);
+        const SizeCurves sizes(sieveTable(csv, 5e-5), Weighting::mass);
+        CHECK(sizes.quantileByMass(0.05) == near(7.5e-5, 1e-3));
+        CHECK(sizes.quantileByMass(0.55) == near(1.5e-4, 1e-3));
+    }
+}
+
+TEST_CASE("sieve analyses that are none")
+{
+    const struct { const char* csv; const char* said; } wrong[]{
+        {"diameter_m,cumulative\n1e-4,0\n2e-4,0.5\n3e-4,0.4\n4e-4,1\n",
+         "cumulative falls from 0.5 to 0.4 at 0.0003 m, allowed: rising with the aperture"},
+        {"diameter_m,cumulative\n1e-4,0\n2e-4,0.9\n",
+         "cumulative ends at 0.9, allowed: 1 (100 percent) at the widest sieve"},
+        {"diameter_m,retained_kg\n1e-4,1\n2e-4,1\n",
+         "the widest sieve, 0.0002 m, retains 1, allowed: 0; add a wider sieve"},
+        {"diameter_m,cumulative\n1e-4,0\n1e-4,1\n", "the sieve of 0.0001 m is there twice"},
+        {"diameter_m,cumulative\n1e-4,0\n2e-4,much\n",
+         "line 3 has 'much', allowed: a number >= 0"},
+        {"diameter_m,cumulative\n1e-4\n2e-4,1\n", "line 2 has 1 columns, allowed: 2"},
+        {"d,cumulative\n", "the first line is 'd,cumulative', allowed: one of diameter_m,"
+                           " diameter_mm, diameter_um"},
+        {"diameter_m,Q\n", "the first line is 'diameter_m,Q', allowed: one of cumulative,"
+                           " cumulative_percent, retained, retained_UNIT"},
+        {"diameter_m,cumulative\n1e-4,1\n", "it has fewer than two sieves, allowed: at least two"}};
+    for (const auto& one : wrong)
+        CHECK_THROWS_WITH_AS(sieveTable(one.csv, 0), one.said, std::invalid_argument);
+}
+
+TEST_CASE("a sum of two laws has the mass of each")
+{
+    const double none = 0;
+    const CumulativeCurve fine = truncated(*findSizeLaw("uniform"), &none, 1e-4, 2e-4);
+    const CumulativeCurve wide = truncated(*findSizeLaw("uniform"), &none, 1e-4, 5e-4);
+    const CumulativeCurve far = truncated(*findSizeLaw("uniform"), &none, 6e-4, 7e-4);
+    const SizeCurves two(mixed({fine, wide}, {3, 1}), Weighting::mass);
+    CHECK(finer(two, two.massFiner(), 1.5e-4) == near(0.75*0.5 + 0.25*0.125, 1e-5));
+    CHECK(finer(two, two.massFiner(), 3e-4) == near(0.75 + 0.25*0.5, 1e-5));
+    const SizeCurves apart(mixed({fine, far}, {0.4, 0.6}), Weighting::mass);
+    CHECK(finer(apart, apart.massFiner(), 3e-4) == near(0.4, 1e-5));
+    CHECK(apart.quantileByMass(0.7) == near(6.5e-4, 1e-5));
+    CHECK_THROWS_AS(mixed({fine}, {0.0}), std::invalid_argument);
+    CHECK_THROWS_AS(mixed({single(1e-4)}, {1.0}), std::invalid_argument);
+    CHECK_THROWS_AS(mixed({}, {}), std::invalid_argument);
 }
 
 }

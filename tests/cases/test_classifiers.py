@@ -1,0 +1,175 @@
+"""The cases beside the column: each runs, is classified, loses nothing; none sticks in mid-air."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable
+from math import cos, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from elutria.case.case import Case, Setting
+from elutria.classification.classify import classify
+from elutria.classification.events import read_run
+from elutria.errors import InputError
+from elutria.estimates.theory import channel_fines_share
+from elutria.physics.drag import Gas, terminal_velocity
+from elutria.running.run import make_mesh, run_case
+from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
+from elutria_validation.harness.cases import times
+from elutria_validation.harness.programs import project_root
+from tests.support.clearance import distances, gap_to_others, read_cloud, wall_triangles
+
+Note = Callable[[str, float, float], None]
+
+COARSE = {
+    "zigzag": {"cellSize": 0.012, "stages": 3, "feedStage": 2},
+    "grating": {"cellSize": 0.01, "bars": 2, "barWidth": 0.01, "barThickness": 0.01},
+    "manganese": {"cellsWide": 4, "cellsDeep": 4, "cellsBelow": 20, "cellsSlot": 1,
+                  "cellsAbove": 20},
+    "cascade": {"cellSize": 0.012, "shelfThickness": 0.012, "shelves": 3, "feedShelf": 2},
+}  # fmt: skip
+"""Meshes on which a case starts in seconds; their numbers are not to be believed."""
+
+
+def settings(**parameters: object) -> list[Setting]:
+    return [
+        Setting("system/simulationParameters", name, str(value))
+        for name, value in parameters.items()
+    ]
+
+
+def run(name: str, folder: Path, *more: Setting, **parameters: object) -> Path:
+    case = Case(project_root() / "cases" / name)
+    return run_case(case, folder, [*settings(**parameters), *more]).path
+
+
+def accounts_close(case: Path, measured: Note) -> None:
+    for (name, kind), error in ledger_errors(case).items():
+        measured(f"{name}: {kind} missing", error, LEDGER_ALLOWED[kind])
+    assert json.loads((case / "postProcessing/ledger.json").read_text())["total"]["lost"] == {
+        "parcels": 0, "number": 0, "mass_kg": 0
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", list(COARSE))
+def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: str) -> None:
+    case = run(
+        name, tmp_path / "run", **COARSE[name], particles=100, feedTime=0.2, drainTime=1
+    )  # fmt: skip
+    accounts_close(case, measured)
+    finished = read_run(case)
+    tables = classify(finished, 5.0, 1.0)
+    assert len(tables.summary) == len(finished.accounts)
+    left = finished.events.select(finished.events.has_left)
+    sizes = [np.median(left.diameter[left.outlet == name]) for name in finished.events.products]
+    assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
+
+
+def test_a_parabola_cuts_as_the_closed_form_says(tmp_path: Path, measured: Note) -> None:
+    """In developed laminar flow a grain rises where the gas is faster than it falls: of those fed
+    evenly across the channel that is the share sqrt(1 - v/(1.5 U))."""
+    case = run("elutriator", tmp_path / "run", particles=200, drainTime=8, cellsWide=12)
+    accounts_close(case, measured)
+    events = read_run(case).events
+    left = events.select(events.has_left)
+    # the others hover: near the cut a grain is as fast as the gas somewhere
+    assert len(left) > 0.75 * len(events)
+    gas = Gas(1.2, 1.8e-5)
+    falls = np.array([terminal_velocity(d, 2650, gas, gravity=9.81) for d in events.diameter])
+    share = channel_fines_share(falls, 0.1)
+    rises, inside = np.sum(events.outlet == "fines"), np.sum(~events.has_left)
+    spread = 4 * float(np.sqrt(np.sum(share * (1 - share))))
+    measured("to fines less than expected", share.sum() - (rises + inside), spread)
+    measured("to fines more than expected", rises - share.sum(), spread)
+    # what no gas of this channel lifts
+    assert np.all(left.outlet[left.diameter > 45e-6] == "coarse")
+
+
+@pytest.mark.parametrize("stages", [1, 2, 15])
+def test_the_zigzag_is_what_its_parameters_say(tmp_path: Path, stages: int) -> None:
+    """Its volume is that of all level sections, its height that of stages and ends."""
+    folder = tmp_path / "case"
+    case = Case(project_root() / "cases/zigzag").copy_to(
+        folder, settings(stages=stages, feedStage=1, cellSize=0.01)
+    )
+    make_mesh(case)
+    log = (folder / "log.Allmesh").read_text()
+    height = 0.06 + 0.04 + stages * 0.05 * cos(radians(30))
+    box = log.split("boundingBox:")[1].splitlines()[0]
+    assert float(box.split()[-1].rstrip(")")) == pytest.approx(height)
+    said = subprocess.run(["checkMesh"], cwd=folder, capture_output=True, text=True, check=False)
+    volume = float(said.stdout.split("Total volume = ")[1].split()[0].rstrip("."))
+    assert volume == pytest.approx(0.04 / cos(radians(30)) * 0.05 * height, rel=1e-6)
+    assert "Mesh OK" in said.stdout
+
+
+@pytest.mark.parametrize(
+    "name, entry, value, allowed",
+    [
+        ("zigzag", "stages", 0, "stages: 0; allowed: a finite number >= 1 and <= 15"),
+        ("zigzag", "stages", 16, "stages: 16; allowed"),
+        ("zigzag", "stages", 2.5, "stages: 2.5; allowed: a whole number from 1 to 15"),
+        ("zigzag", "feedStage", 8, "feedStage: 8; allowed: a finite number >= 1 and <= 7"),
+        ("zigzag", "cellSize", 0, "cellSize: 0; allowed"),
+        ("zigzag", "channelDepth", 0.001, "channelDepth: 0.001; allowed"),
+        ("grating", "barWidth", 0.002, "barWidth: 0.002; allowed: a finite number >= 0.005"),
+        ("grating", "barWidth", 0.016, "barWidth: 0.016; allowed"),
+        ("grating", "barThickness", 0.002, "barThickness: 0.002; allowed: at least cellSize"),
+        ("grating", "gratingHeights", "(0.24)", "allowed: gratings of 0.01 m, each clear of"),
+        ("cascade", "shelfSpacing", 0.02, "shelfSpacing: 0.02; allowed: at least"),
+        ("cascade", "shelfReach", 0.08, "shelfReach: 0.08; allowed"),
+    ],
+)
+def test_a_geometry_that_cannot_be(
+    tmp_path: Path, name: str, entry: str, value: object, allowed: str
+) -> None:
+    with pytest.raises(InputError, match="simulationParameters") as refused:
+        run(name, tmp_path / "run", **{entry: value})
+    assert allowed in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_allrun_makes_the_mesh_too(tmp_path: Path) -> None:
+    """A user's own way: what the case's Allrun runs, up to the solver."""
+    case = tmp_path / "zigzag"
+    shutil.copytree(project_root() / "cases/zigzag", case)
+    subprocess.run(["./Allmesh"], cwd=case, check=True, capture_output=True)
+    assert (case / "constant/polyMesh/owner").is_file()
+    assert "./Allmesh" in (case / "Allrun").read_text()
+    assert not (case / "system/blockMeshDict").exists(), "a run's fingerprint must not change"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(COARSE))
+def test_none_is_outside_and_none_hangs_in_mid_air(
+    tmp_path: Path, measured: Note, name: str
+) -> None:
+    case = run(
+        name, tmp_path / "run",
+        Setting("system/controlDict", "writeFormat", "ascii"),
+        Setting("system/controlDict", "writeInterval", "0.1"),
+        Setting("system/controlDict", "purgeWrite", "0"),
+        **{**COARSE[name], "cellSize": 0.008} if name == "zigzag" else COARSE[name],
+        particles=1500, feedTime=0.5, drainTime=2,
+    )  # fmt: skip
+    accounts_close(case, measured)
+    walls = wall_triangles(case)
+    deepest, hanging, before = 0.0, 0, None
+    for time in times(case)[1:]:
+        ids, cloud = read_cloud(case, time)
+        radius = cloud.diameter / 2
+        gap = distances(cloud.position, walls) - radius if len(ids) else np.empty(0)
+        deepest = max(deepest, float((-gap / radius).max(initial=0)))
+        if before is not None:
+            here, there = np.isin(ids, before[0]), np.isin(before[0], ids)
+            moved = np.linalg.norm(cloud.position[here] - before[1].position[there], axis=1)
+            free = np.minimum(gap, gap_to_others(cloud))[here] > 0.05 * radius[here]
+            hanging += int(np.sum(free & (moved < 0.1 * radius[here])))
+        before = ids, cloud
+    measured("deepest in a wall, of the radius", deepest, 0.01)
+    measured("at rest in mid-air", hanging, 0)
