@@ -14,6 +14,7 @@ BELOW["estimates"] = {"errors", "files", "tables", "openfoam", "physics", "case"
 BELOW["classification"] = {"errors", "files", "tables"}
 BELOW["running"] = BELOW["estimates"] | {"estimates", "classification"}
 BELOW["output"] = BELOW["running"]
+BELOW["viewing"] = BELOW["running"] | {"running"}
 """What each room of the product may import besides itself; `cli` may import all."""
 
 

@@ -18,6 +18,8 @@ Description
 #include "cloud/ElutriaCloud.H"
 #include "gas/GasPhase.H"
 #include "schedule/ScenePlan.H"
+#include "view/FrameWriter.H"
+#include "view/LiveControl.H"
 #include "run/AtomicTime.H"
 #include "run/exitHandling.H"
 #include "foam/foamVersion.H"
@@ -228,6 +230,9 @@ void run(const argList& args)
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
 
+    LiveControl control(runTime, gas, cloud.feed(), args.found("frames"));
+    std::unique_ptr<FrameWriter> frames;
+
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
     const bool settles =
@@ -261,6 +266,10 @@ void run(const argList& args)
 
     plan.announce(cloud, runTime);
     plan.account(ScenePlan::partOutput);
+    if (args.found("frames") && cloud.feed())
+    {
+        frames.reset(new FrameWriter(runTime, gas, cloud, *cloud.feed()));
+    }
     exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
@@ -270,6 +279,8 @@ void run(const argList& args)
     bool drained = cloud.drained(cloud.count());
     while (!drained && runTime.run())
     {
+        control.follow();
+        plan.resume();
         #include "readTimeControls.H"
         maxDeltaT = min(maxDeltaT, largestStep);
         {
@@ -302,6 +313,10 @@ void run(const argList& args)
         if (drained && !atomic)
         {
             atomic.reset(new AtomicTime(runTime));
+        }
+        if (frames)
+        {
+            frames->write(count, control.now(), drained || runTime.end());
         }
         if (atomic)
         {
@@ -344,6 +359,13 @@ int main(int argc, char *argv[])
         "plan",
         "read the whole case, write what is expected and planned to"
         " postProcessing/plan.json, and run nothing"
+    );
+
+    argList::addBoolOption
+    (
+        "frames",
+        "for who looks on: write frames to postProcessing/frames/frames.bin, and"
+        " follow postProcessing/frames/control"
     );
 
     #include "addCheckCaseOptions.H"

@@ -272,6 +272,23 @@ label Feed::seedEntry() const
 }
 
 
+scalar Feed::massFactor(const scalar time) const
+{
+    if (steering_.empty())
+    {
+        return 1;
+    }
+    const Steering::Change now = steering_.at(time);
+    return now.loading*(found("loading") ? now.gas : 1);
+}
+
+
+scalar Feed::entryTime(const label i) const
+{
+    return start_ + (i + random(i, 2))/rate_;
+}
+
+
 scalar Feed::random(const label i, const label k) const
 {
     const uint64_t bits =
@@ -369,7 +386,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     seed_(0),
     sampling_(Sampling::particles),
     massFlow_(0),
-    rate_(0)
+    rate_(0),
+    steering_(mesh.time())
 {
     readMaterials();
     readOutlets();
@@ -460,7 +478,8 @@ scalar Feed::number(const label i) const
         const label m = material(i);
         massOverMean = materials_[m].sizes.massOverEven(place(i, m));
     }
-    return massOverMean*massFlow_/(rate_*mass(i));
+    return
+        massFactor(entryTime(i))*massOverMean*massFlow_/(rate_*mass(i));
 }
 
 
@@ -489,7 +508,7 @@ scalar Feed::heaviestParcel() const
 Feed::Particle Feed::particle(const label i) const
 {
     Particle p;
-    p.time = start_ + (i + random(i, 2))/rate_;
+    p.time = entryTime(i);
     p.material = material(i);
     p.diameter = diameter(i, p.material);
     p.number = number(i);

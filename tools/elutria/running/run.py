@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import hashlib
 import os
 import re
 import shutil
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 SOLVER = "elutriaFoam"
 SETTLED_GAS = "constant/settledGas"
+STEERING = "system/steering"
 PLAN = "postProcessing/plan.json"
 MARKER = "elutria.json"
 FINISHED = "finished.json"
@@ -88,12 +90,15 @@ def run_case(
     np: int = 1,
     on_step: Callable[[float, Step], None] = lambda *_: None,
     neighbour: Path | None = None,
+    *,
+    frames: bool = False,
 ) -> Case:
     """Run `case` with `settings` in `folder`; a complete run of the same inputs is not run again.
 
     `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
-    run in the folder `neighbour`, where that has settled. Raises InputError before anything
-    is run, ElutriaError with the solver's reason when it fails.
+    run in the folder `neighbour`, where that has settled. With `frames`, the solver records them
+    and can be steered; a run that was steered is one of other inputs. Raises InputError before
+    anything is run, ElutriaError with the solver's reason when it fails.
     """
     from elutria.classification.events import read_run  # pandas, which a check does not need
 
@@ -111,14 +116,26 @@ def run_case(
         make_mesh(copy)
         if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
             shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
-        solve(folder, np, _goal(copy, feed), on_step)
+        solve(folder, np, _goal(copy, feed), on_step, frames=frames)
         read_run(folder)  # complete, or not finished
         seconds = time.monotonic() - start
         write_json(
             folder / FINISHED,
-            {"inputs": fingerprint, "gas_velocity_m_s": velocity, "wall_time_s": round(seconds, 3)},
+            {
+                "inputs": _steered(case, folder, fingerprint),
+                "gas_velocity_m_s": velocity,
+                "wall_time_s": round(seconds, 3),
+            },
         )
     return copy
+
+
+def _steered(case: Case, folder: Path, fingerprint: str) -> str:
+    """The hash of a run's inputs, with what was done to it on the way."""
+    own, done = case.path / STEERING, folder / STEERING
+    if not done.is_file() or (own.is_file() and own.read_bytes() == done.read_bytes()):
+        return fingerprint
+    return hashlib.sha256(fingerprint.encode() + done.read_bytes()).hexdigest()
 
 
 def read_plan(folder: Path) -> dict[str, Any]:
@@ -211,7 +228,14 @@ def _program(arguments: list[str], folder: Path, log: str) -> None:
         raise ElutriaError(f"{arguments[0]} failed in {folder}: {_reason(folder / log)}")
 
 
-def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], None]) -> None:
+def solve(
+    folder: Path,
+    np: int,
+    goal: Goal,
+    on_step: Callable[[float, Step], None],
+    *,
+    frames: bool = False,
+) -> None:
     """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason."""
     from elutria.running.solver import follow
 
@@ -222,6 +246,8 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
         command = ["mpirun", "-np", str(np), SOLVER, "-parallel"]
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    if frames:
+        command.append("-frames")
     log = f"log.{SOLVER}"
     outcome = follow(folder, command, log, lambda step: on_step(goal.share(step), step))
     if outcome.interrupted:

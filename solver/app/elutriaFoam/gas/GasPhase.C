@@ -12,6 +12,7 @@
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "fixedValueFvPatchFields.H"
 #include "foam/requirePositive.H"
+#include "processorPolyPatch.H"
 #include "wallPolyPatch.H"
 
 namespace Foam
@@ -422,6 +423,35 @@ void GasPhase::solve
     }
     reportContinuity();
     keepBoundaries();
+}
+
+
+wordList GasPhase::scaleInflow(const scalar factor)
+{
+    DynamicList<word> others;
+    forAll(mesh_.boundary(), patchi)
+    {
+        const fvPatch& patch = mesh_.boundary()[patchi];
+        if (isA<processorPolyPatch>(patch.patch()))
+        {
+            break;      // these are each processor's own, and come last
+        }
+        fvPatchVectorField& U = U_.boundaryFieldRef(false)[patchi];
+        const scalar entering =
+            patch.coupled() ? 0 : gSum(max(-(U & patch.Sf()), scalar(0))());
+        if (U.type() == fixedValueFvPatchVectorField::typeName)
+        {
+            if (entering > 0)
+            {
+                U == factor*U;
+            }
+        }
+        else if (entering > 0 && isA<fixedValueFvPatchVectorField>(U))
+        {
+            others.append(patch.name());
+        }
+    }
+    return wordList(std::move(others));
 }
 
 
