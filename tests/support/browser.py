@@ -54,6 +54,7 @@ class Browser:
         self._process = subprocess.Popen(
             command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
+        self._stack = contextlib.ExitStack()
         self._number = 0
         self.errors: list[str] = []
         self._link = self._connect()
@@ -72,7 +73,8 @@ class Browser:
                 targets = json.load(answer)
             return next((t["webSocketDebuggerUrl"] for t in targets if t["type"] == "page"), None)
 
-        return connect(wait_for(page, 30, "a page"), max_size=None, open_timeout=60)
+        address = wait_for(page, 30, "a page")
+        return self._stack.enter_context(connect(address, max_size=None, open_timeout=60))
 
     def __enter__(self) -> Browser:
         return self
@@ -84,7 +86,7 @@ class Browser:
         trace: TracebackType | None,
     ) -> None:
         with contextlib.suppress(Exception):
-            self._link.close()
+            self._stack.close()
         self._process.kill()
         self._process.wait()
         self._profile.cleanup()

@@ -30,7 +30,7 @@ RATE = 20
 """Frames of a film in a second."""
 COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#bbbbbb")
 """Okabe & Ito 2008; the page has the same."""
-FITS = 5
+FITS = 10
 """Frames of a film from one fit of the curve to the next."""
 SIZE = (7.2, 6.4)
 """Inches, at 100 dots each."""

@@ -14,6 +14,8 @@ import numpy as np
 
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
+from elutria.files import read_json
+from elutria.running.run import MARKER
 from elutria.viewing.control import Control
 from elutria.viewing.frames import FRAMES, Frame, FrameReader, Scene
 from elutria.viewing.recording import Recording
@@ -218,6 +220,8 @@ class ReplaySession(Session):
 def about(run: Path) -> dict[str, Any]:
     """The case's name, gas velocity and loading (None where it is given otherwise)."""
     known: dict[str, Any] = {"name": run.resolve().name, "gas_velocity_m_s": 1.0, "loading": None}
+    with suppress(ElutriaError):
+        known["name"] = str(read_json(run / MARKER).get("case", known["name"]))
     with suppress(ElutriaError):
         case = Case(run)
         known["gas_velocity_m_s"] = case.velocity()

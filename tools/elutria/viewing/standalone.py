@@ -18,7 +18,7 @@ from elutria.viewing.walls import read_walls
 
 LIMIT = 60_000_000
 """Bytes of the file, at most."""
-CURVES = 40
+CURVES = 15
 """Fits of the curve over the recording."""
 
 

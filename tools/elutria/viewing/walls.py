@@ -39,7 +39,7 @@ class Walls:
 @dataclass(frozen=True)
 class _Face:
     corners: tuple[int, ...]
-    group: int
+    group: str
     solid: bool
 
 
@@ -48,7 +48,7 @@ def read_walls(run: Path) -> Walls:
     path = run / FOLDER / "boundary.obj"
     points: list[tuple[float, ...]] = []
     faces: list[_Face] = []
-    group, kind = 0, ""
+    group, kind = "", ""
     try:
         for line in read_text(path, limit=500_000_000).splitlines():
             words = line.split()
@@ -57,9 +57,11 @@ def read_walls(run: Path) -> Walls:
             if words[0] == "v":
                 points.append((float(words[1]), float(words[2]), float(words[3])))
             elif words[0] == "g":
-                group, kind = group + 1, words[-1]
+                group, kind = words[1], words[-1]
             elif words[0] == "f" and kind not in NOT_DRAWN:
                 corners = tuple(len(points) + int(word) for word in words[1:])
+                if min(corners) < 0 or max(corners) >= len(points):
+                    raise ValueError(f"no such points: {line}")
                 faces.append(_Face(corners, group, kind in SOLID))
     except (ValueError, IndexError) as error:
         raise InputError(f"{path}: is not a .obj file as the solver writes it ({error})") from error

@@ -3,7 +3,7 @@
 import { Column } from "./column.js";
 import { Curve } from "./curve.js";
 import { decode } from "./frame.js";
-import { Panel } from "./panel.js";
+import { Panel, showState } from "./panel.js";
 import { open } from "./source.js";
 
 const page = { frames: 0, statistics: null, state: null };
@@ -13,6 +13,8 @@ const pastFrames = [];      // [time of the run, time here] of the last second o
 
 function paceOf(frame) {
   const now = performance.now() / 1000;
+  const last = pastFrames.at(-1);
+  if (last && (frame.time < last[0] || now - last[1] > 1)) pastFrames.length = 0;   // a jump, a pause
   pastFrames.push([frame.time, now]);
   while (pastFrames.length > 2 && now - pastFrames[0][1] > 2) pastFrames.shift();
   const [time, since] = pastFrames[0];
@@ -53,12 +55,10 @@ page.stream = open({
   },
   state(message) {
     page.state = message.state;
-    page.panel.state(message);
+    showState(message);
   },
   gone() {
     page.state = "gone";
-    const box = document.getElementById("state");
-    box.textContent = "elutria view has ended";
-    box.dataset.state = "gone";
+    showState({ state: "gone", text: "elutria view has ended" });
   },
 });

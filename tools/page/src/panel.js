@@ -8,6 +8,12 @@ export function digits(value, count = 3) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–";
 }
 
+// What the run is doing, known before there is anything to draw
+export function showState({ state, text }) {
+  $("state").textContent = text;
+  $("state").dataset.state = state;
+}
+
 // The part of a slider's way, for factors from 1/4 to 4 of the case's value
 const factor = (place) => 4 ** place;
 const place = (value) => Math.log(value) / Math.log(4);
@@ -67,6 +73,7 @@ export class Panel {
     $("pace").textContent = `${digits(pace, 2)} of real time`;
     $("rate").textContent = `${Math.round(rate)} a second`;
     $("gas-now").textContent = `${digits(frame.gas * this.about.gas_velocity_m_s)} m/s`;
+    $("slice-scale").textContent = $("slice").checked ? `0 to ${digits(this.column.slice.fastest / 1000, 2)} m/s` : "";
     $("lost-row").hidden = frame.lost === 0;
     $("lost").textContent = String(frame.lost);
   }
@@ -86,12 +93,6 @@ export class Panel {
       }));
       return line;
     }));
-  }
-
-  state(message) {
-    const box = $("state");
-    box.textContent = message.text;
-    box.dataset.state = message.state;
   }
 
   legend() {

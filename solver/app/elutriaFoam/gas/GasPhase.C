@@ -7,6 +7,7 @@
 
 #include "gas/GasPhase.H"
 #include "gas/GasClock.H"
+#include "gas/scaledInflow.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
@@ -436,19 +437,20 @@ wordList GasPhase::scaleInflow(const scalar factor)
         {
             break;      // these are each processor's own, and come last
         }
-        fvPatchVectorField& U = U_.boundaryFieldRef(false)[patchi];
+        const fvPatchVectorField& U = U_.boundaryField()[patchi];
         const scalar entering =
             patch.coupled() ? 0 : gSum(max(-(U & patch.Sf()), scalar(0))());
-        if (U.type() == fixedValueFvPatchVectorField::typeName)
+        if (entering > 0 && isA<fixedValueFvPatchVectorField>(U))
         {
-            if (entering > 0)
+            autoPtr<fvPatchVectorField> scaled(scaledInflow(U, factor));
+            if (scaled.valid())
             {
-                U == factor*U;
+                U_.boundaryFieldRef(false).set(patchi, scaled.ptr());
             }
-        }
-        else if (entering > 0 && isA<fixedValueFvPatchVectorField>(U))
-        {
-            others.append(patch.name());
+            else
+            {
+                others.append(patch.name());
+            }
         }
     }
     return wordList(std::move(others));

@@ -69,8 +69,8 @@ void LiveControl::look()
 
 void LiveControl::read(const dictionary& dict)
 {
-    asked_.gas = within(dict.getOrDefault<scalar>("gas", 1), 0.01, 100);
-    asked_.loading = within(dict.getOrDefault<scalar>("loading", 1), 1e-6, 100);
+    asked_.gas = within(dict.getOrDefault<scalar>("gas", asked_.gas), 0.01, 100);
+    asked_.loading = within(dict.getOrDefault<scalar>("loading", asked_.loading), 1e-6, 100);
     pause_ = dict.getOrDefault("pause", false);
     speed_ = max(dict.getOrDefault<scalar>("speed", 0), scalar(0));
     startPace();
@@ -139,8 +139,8 @@ void LiveControl::apply()
         if (!others.empty())
         {
             Info<< "    Warning: the gas that enters through " << others
-                << " cannot be steered: its velocity has not the type"
-                << " fixedValue" << endl;
+                << " cannot be steered: allowed are conditions by a velocity or"
+                << " a constant flow rate" << endl;
         }
     }
     if (now.loading != applied_.loading && !feed_->weighted())
