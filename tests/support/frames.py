@@ -81,5 +81,6 @@ def falling(count: int = 40, parcels: int = 200) -> list[bytes]:
             else:
                 gone.add(number)
                 left.append((number, int(height <= 0), size))
-        frames.append(frame(time, inside, left, [min(1000 * (k + 1), 60_000)] * 6 if k % 10 == 0 else []))
+        gas = [min(1000 * (k + 1), 60_000)] * 6 if k % 10 == 0 else []
+        frames.append(frame(time, inside, left, gas))
     return frames

@@ -64,6 +64,15 @@ scalar asWritten(const scalar value)
 }
 
 
+//- Does the run end with this step, whether or not the feed is over?
+bool isLast(const Time& runTime)
+{
+    return
+        runTime.value()
+      > runTime.endTime().value() - 0.5*runTime.deltaTValue();
+}
+
+
 //- Write the step just done, and end the run with it if it is the last
 void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
     const AtomicTime& atomic, const bool last)
@@ -316,7 +325,7 @@ void run(const argList& args)
         }
         if (frames)
         {
-            frames->write(count, control.now(), drained || runTime.end());
+            frames->write(count, control.now(), drained || isLast(runTime));
         }
         if (atomic)
         {

@@ -32,6 +32,8 @@ COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#c
 """Okabe & Ito 2008; the page has the same."""
 FITS = 10
 """Frames of a film from one fit of the curve to the next."""
+SMALLEST = 1.4
+"""Points across that a parcel is drawn with at least: smaller ones would not be seen."""
 SIZE = (7.2, 6.4)
 """Inches, at 100 dots each."""
 
@@ -110,6 +112,7 @@ class _Picture:
         self.figure = plt.figure(figsize=SIZE, facecolor="white")
         low, high = (self._flat(corner[None])[0] for corner in scene.box)
         width = float(np.clip(abs(high[0] - low[0]) / abs(high[1] - low[1]), 0.15, 0.6))
+        self.figure.subplots_adjust(left=0.09, right=0.97, bottom=0.09, top=0.94)
         grid = self.figure.add_gridspec(1, 2, width_ratios=[width, 1 - width], wspace=0.25)
         self.column: Axes = self.figure.add_subplot(grid[0])
         self.curve: Axes = self.figure.add_subplot(grid[1])
@@ -174,7 +177,7 @@ class _Picture:
         points = 1000 * self.scene.diameters(frame) * dots_per_mm * 72 / self.figure.dpi
         colours = np.array(COLOURS)[frame.particles["material"] % len(COLOURS)]
         self.dots.set_offsets(places.reshape(-1, 2))
-        self.dots.set_sizes(np.maximum(points, 0.8) ** 2)
+        self.dots.set_sizes(np.maximum(points, SMALLEST) ** 2)
         self.dots.set_facecolors(list(colours))
 
     def _draw_curve(self) -> None:

@@ -14,10 +14,19 @@ function positions(numbers) {
   return geometry;
 }
 
+// Without a GPU smooth edges cost more than all parcels
+function drawnInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class Column {
   constructor(canvas, scene, walls) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !drawnInSoftware() });
     this.scene = new Scene();
     this.scene.background = new Color("#14171b");
     this.particles = new Particles(scene);

@@ -53,8 +53,8 @@ bool FrameFile::put(const char* begin, const std::size_t bytes)
             if (!told_)
             {
                 told_ = true;
-                Info<< "    Warning: " << path_ << ": "
-                    << (std::strerror(errno)) << "; frames are left out"
+                Info<< "    Warning: " << path_.c_str() << ": "
+                    << std::strerror(errno) << "; frames are left out"
                     << " until there is room, the run goes on" << endl;
             }
             if (file_ >= 0 && ::ftruncate(file_, off_t(size_)) != 0)
@@ -74,8 +74,8 @@ bool FrameFile::put(const char* begin, const std::size_t bytes)
 double FrameFile::kept(const std::string& head, const double until) const
 {
     std::ifstream is(path_, std::ios::binary);
-    std::string found(head.size(), '\0');
-    if (!is.read(&found[0], found.size()) || found != head)
+    std::string begin(head.size(), '\0');
+    if (!is.read(&begin[0], begin.size()) || begin != head)
     {
         return 0;
     }

@@ -187,6 +187,47 @@ std::vector<char> FrameWriter::departures() const
 }
 
 
+scalar FrameWriter::massInside() const
+{
+    scalar mass = 0;
+    for (const StockParcel& p : cloud_)
+    {
+        mass += p.nParticle()*p.mass();
+    }
+    return returnReduce(mass, sumOp<scalar>());
+}
+
+
+void FrameWriter::put
+(
+    FrameFile::Head head,
+    const List<char>& particles,
+    std::vector<std::uint16_t>& speeds
+)
+{
+    const std::vector<char> left = departures();
+    head.particles = particles.size()/sizeof(FrameFile::Particle);
+    head.departures = waiting_.size();
+    head.samples = speeds == speeds_ ? 0 : speeds.size();
+    head.wall = std::chrono::duration<double>(lastWall_ - start_).count();
+    head.bytes = sizeof(head) + particles.size() + left.size()
+      + head.samples*sizeof(speeds[0]);
+
+    std::vector<char> frame;
+    frame.reserve(head.bytes);
+    append(frame, head);
+    frame.insert(frame.end(), particles.begin(), particles.end());
+    frame.insert(frame.end(), left.begin(), left.end());
+    const char* const gas = reinterpret_cast<const char*>(speeds.data());
+    frame.insert(frame.end(), gas, gas + head.samples*sizeof(speeds[0]));
+    if (file_->append(frame))
+    {
+        waiting_.clear();
+        speeds_.swap(speeds);
+    }
+}
+
+
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
 FrameWriter::FrameWriter
@@ -222,7 +263,7 @@ FrameWriter::FrameWriter
     const fileName folder(time.globalPath()/"postProcessing"/"frames");
     if (!writeBoundary(cloud.mesh(), folder/"boundary.obj"))
     {
-        Info<< "    Warning: " << folder << " cannot be written: there will be no"
+        Info<< "    Warning: " << folder.c_str() << " cannot be written: there will be no"
             << " picture, the run goes on" << endl;
     }
     if (Pstream::master())
@@ -250,49 +291,22 @@ void FrameWriter::write
         return;
     }
     addProfiling(frames, "elutria::frames");
-    const List<char> particles = gatherParticles();
-    gatherDepartures();
-    scalar inside = 0;
-    for (const StockParcel& p : cloud_)
-    {
-        inside += p.nParticle()*p.mass();
-    }
-    reduce(inside, sumOp<scalar>());
-    std::vector<std::uint16_t> speeds = slice_.speeds(gas_.U());
-    lastTime_ = time_.value();
-    if (!Pstream::master())
-    {
-        return;
-    }
-
-    lastWall_ = clock::now();
-    const std::vector<char> left = departures();
-    const bool sameGas = speeds == speeds_;
     FrameFile::Head head;
-    head.particles = particles.size()/sizeof(FrameFile::Particle);
-    head.departures = waiting_.size();
-    head.samples = sameGas ? 0 : speeds.size();
-    head.bytes = sizeof(head) + particles.size() + left.size()
-      + head.samples*sizeof(std::uint16_t);
     head.time = time_.value();
-    head.wall = std::chrono::duration<double>(lastWall_ - start_).count();
-    head.inside = inside;
+    head.inside = massInside();
     head.gas = now.gas;
     head.loading = now.loading;
     head.fed = count.fed;
     head.lost = max(count.lost, label(0));
 
-    std::vector<char> frame;
-    frame.reserve(head.bytes);
-    append(frame, head);
-    frame.insert(frame.end(), particles.begin(), particles.end());
-    frame.insert(frame.end(), left.begin(), left.end());
-    const char* const gas = reinterpret_cast<const char*>(speeds.data());
-    frame.insert(frame.end(), gas, gas + head.samples*sizeof(std::uint16_t));
-    if (file_->append(frame))
+    const List<char> particles = gatherParticles();
+    gatherDepartures();
+    std::vector<std::uint16_t> speeds = slice_.speeds(gas_.U());
+    lastTime_ = time_.value();
+    if (Pstream::master())
     {
-        waiting_.clear();
-        speeds_.swap(speeds);
+        lastWall_ = clock::now();
+        put(head, particles, speeds);
     }
 }
 

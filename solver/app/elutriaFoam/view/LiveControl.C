@@ -61,7 +61,7 @@ void LiveControl::look()
     }
     catch (const error& broken)
     {
-        Info<< "    Warning: " << file_ << " is ignored: "
+        Info<< "    Warning: " << file_.c_str() << " is ignored: "
             << broken.message().c_str() << endl;
     }
 }
