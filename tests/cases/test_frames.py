@@ -237,6 +237,32 @@ def test_a_column_is_steered_by_its_file(tmp_path: Path) -> None:
     assert re.search(r'"lost": \{"parcels": 0, "number": 0', total)
 
 
+INFLOWS = {
+    "fixedValue": {"value": "uniform (0 0 2)"},
+    "surfaceNormalFixedValue": {"refValue": "uniform -2"},
+    "flowRateInletVelocity": {"volumetricFlowRate": 0.02, "value": "uniform (0 0 2)"},
+    "uniformFixedValue": {"uniformValue": "constant (0 0 2)"},
+}
+"""Conditions that let the gas in at 2 m/s, through 0.1 m x 0.1 m."""
+
+
+@pytest.mark.parametrize("kind", INFLOWS)
+def test_gas_that_enters_otherwise_is_steered_too_or_named(tmp_path: Path, kind: str) -> None:
+    case = steered(tmp_path / "box", "(0.1 1.5 1)")
+    text = (case / "0/U.air").read_text()
+    entries = "".join(f"{name} {value}; " for name, value in INFLOWS[kind].items())
+    condition = f"inflow {{ type {kind}; phi phi.air; {entries} }}"
+    text, found = re.subn(r"inflow\s*\{[^}]*\}", condition, text, count=1)
+    assert found == 1
+    (case / "0/U.air").write_text(text)
+    log = solve(case)
+    known = kind != "uniformFixedValue"
+    speed = read_gas(case, "0.3")[:, 2].mean()
+    assert speed == pytest.approx(3 if known else 2, rel=1e-2)
+    named = re.findall(r"Warning: the gas that enters through \S*bottom\S* cannot be steered", log)
+    assert len(named) == (0 if known else 1)
+
+
 def test_a_steered_run_goes_on_as_if_uninterrupted(tmp_path: Path) -> None:
     changes = "(0.05 1.5 2) (0.1 1 1) (0.2 0.8 1)"
     whole, parts = (steered(tmp_path / name, changes) for name in ("whole", "parts"))

@@ -2,15 +2,17 @@
 
 const ROOM = { left: 44, right: 12, top: 12, bottom: 34 };
 
+// Round sizes, as many as there is room for
 function ticks(low, high) {
-  const found = [];
-  for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); ++decade) {
-    for (const digit of [1, 2, 3, 5]) {
-      const size = digit * 10 ** decade;
-      if (size >= low && size <= high) found.push(size);
+  const among = (digits) => {
+    const found = [];
+    for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); ++decade) {
+      found.push(...digits.map((digit) => digit * 10 ** decade));
     }
-  }
-  return found;
+    return found.filter((size) => size >= low && size <= high);
+  };
+  const few = among([1, 2, 5]);
+  return few.length > 3 ? few : among([1, 1.5, 2, 3, 4, 5, 7]);
 }
 
 export class Curve {

@@ -79,13 +79,14 @@ autoPtr<fvPatchVectorField> scaledInflow
 {
     dictionary dict(entriesOf(condition));
     const label size = condition.size();
+    const bool valued = scaleField<vector>(dict, "value", size, factor);
     const bool known =
-        condition.type() == fixedValueFvPatchVectorField::typeName
+        (valued && condition.type() == fixedValueFvPatchVectorField::typeName)
      || scaleField<vector>(dict, "inletVelocity", size, factor)
      || scaleField<scalar>(dict, "refValue", size, factor)
      || scaleRate(dict, "volumetricFlowRate", factor)
      || scaleRate(dict, "massFlowRate", factor);
-    if (!known || !scaleField<vector>(dict, "value", size, factor))
+    if (!known)
     {
         return nullptr;
     }
