@@ -121,6 +121,28 @@ def test_nothing_is_written_unless_asked_for(tmp_path: Path) -> None:
     assert rows(plain) == rows(shown)
 
 
+def test_a_case_may_ask_for_frames(tmp_path: Path) -> None:
+    case = box(tmp_path / "box")
+    change(case, {"system/frames:record": True})
+    solve(case)
+    assert frames_of(case)[-1].time == pytest.approx(0.3)
+
+
+def test_two_processors_are_steered_as_one_is(tmp_path: Path) -> None:
+    one, two = (steered(tmp_path / name, "(0.1 1.5 2)") for name in ("one", "two"))
+    solve(one)
+    solve(two, processors=2, options=FRAMES)
+    first, second = numbers(one), numbers(two)
+    assert set(first) == set(second)
+    for number, (_, weight) in first.items():
+        assert second[number][1] == pytest.approx(weight)
+    left, told = rows(one), rows(two)
+    same = sum(row["outlet"] == told.get(k, row)["outlet"] for k, row in left.items())
+    assert same == len(left) > 50
+    assert frames_of(two)[-1].head["gas"] == 1.5
+    compare_departures(two)
+
+
 def test_frames_keep_to_their_rate(tmp_path: Path) -> None:
     case = box(tmp_path / "box")
     solve(case, options=FRAMES)

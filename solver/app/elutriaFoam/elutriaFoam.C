@@ -239,7 +239,8 @@ void run(const argList& args)
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
 
-    LiveControl control(runTime, gas, cloud.feed(), args.found("frames"));
+    const bool watched = args.found("frames") || FrameWriter::asked(runTime);
+    LiveControl control(runTime, gas, cloud.feed(), watched);
     std::unique_ptr<FrameWriter> frames;
 
     ScenePlan plan(gas, runTime);
@@ -275,7 +276,7 @@ void run(const argList& args)
 
     plan.announce(cloud, runTime);
     plan.account(ScenePlan::partOutput);
-    if (args.found("frames") && cloud.feed())
+    if (watched && cloud.feed())
     {
         frames.reset(new FrameWriter(runTime, gas, cloud, *cloud.feed()));
     }

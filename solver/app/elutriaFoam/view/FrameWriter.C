@@ -57,6 +57,19 @@ std::string vectorAsJson(const vector& v)
 }
 
 
+IOdictionary readSettings(const Time& time)
+{
+    return IOdictionary
+    (
+        IOobject
+        (
+            "frames", time.system(), time, IOobject::READ_IF_PRESENT,
+            IOobject::NO_WRITE, false
+        )
+    );
+}
+
+
 scalar readSetting(const dictionary& dict, const word& entry, scalar fallback)
 {
     const scalar value = dict.getOrDefault<scalar>(entry, fallback);
@@ -250,14 +263,7 @@ FrameWriter::FrameWriter
     lastWall_(start_ - std::chrono::hours(1)),
     lastTime_(-GREAT)
 {
-    const IOdictionary settings
-    (
-        IOobject
-        (
-            "frames", time.system(), time, IOobject::READ_IF_PRESENT,
-            IOobject::NO_WRITE, false
-        )
-    );
+    const IOdictionary settings(readSettings(time));
     interval_ = 1/readSetting(settings, "perSecond", 30);
     const scalar limit = 1e6*readSetting(settings, "limit", 500);
     const fileName folder(time.globalPath()/"postProcessing"/"frames");
@@ -278,6 +284,12 @@ FrameWriter::FrameWriter
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+bool FrameWriter::asked(const Time& time)
+{
+    return readSettings(time).getOrDefault("record", false);
+}
+
 
 void FrameWriter::write
 (
