@@ -27,7 +27,7 @@ ORDER = {
         "forces",
         "cloud",
     ],
-    "solver/app/elutriaFoam": ["run", "gas", "schedule"],
+    "solver/app/elutriaFoam": ["run", "gas", "schedule", "view"],
 }
 
 

@@ -90,6 +90,9 @@ def run(
     ] = False,
     wide: WideOption = False,
     formats: FormatOption = None,
+    frames: Annotated[
+        bool, typer.Option("--frames", help="Record frames for elutria view.")
+    ] = False,
 ) -> None:
     """Copy, mesh, solve and classify a case; go on where it was stopped."""
     from elutria.case.case import Case
@@ -114,7 +117,7 @@ def run(
         def on_step(share: float, step: Step) -> None:
             display.update(f"{source.name}", share, note(step))
 
-        run_case(source, folder, settings, np, on_step, anew=False, extend=extend)
+        run_case(source, folder, settings, np, on_step, anew=False, extend=extend, frames=frames)
     _classify_folder(folder, folder, wide=wide)
     _plot(folder, formats)
 
@@ -271,6 +274,74 @@ def atlas(
     from elutria.pages.atlas import write_atlas
 
     console.print(str(write_atlas(results, to or results / "atlas.html")), soft_wrap=True)
+
+
+@app.command(epilog="Example: elutria view cases/column --velocity 5")
+def view(
+    place: Annotated[
+        Path, typer.Argument(help="A case, which is run; or a run, live or recorded.")
+    ],
+    to: Annotated[Path | None, typer.Option(help="Folder of the run of a case.")] = None,
+    velocity: Annotated[float | None, typer.Option(help="Gas velocity, m/s.")] = None,
+    set_: SetOption = None,
+    np: ProcessorsOption = 1,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Of the page; 0: any.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    film: Annotated[
+        Path | None, typer.Option("--record", help="Write a film: FILE.mp4, .gif or .html.")
+    ] = None,
+    speed: Annotated[float, typer.Option(min=0.01, help="Of the film over real time.")] = 1.0,
+) -> None:
+    """Watch a column in the browser and steer it, on this machine only; or make a film of it."""
+    from elutria.viewing import view as viewing
+
+    if film is not None:
+        from elutria.viewing.film import check_name
+
+        check_name(film)
+    run = place
+    if not viewing.is_run(place):
+        viewing.refuse_results(place)
+        arguments, run = _run_to_view(place, to, velocity, set_ or [], np)
+        if film is None:
+            viewing.view_case(arguments, run, port, _say, browser=browser)
+            return
+        viewing.run_case_to_end(arguments, run)
+    if film is None:
+        viewing.look_on(viewing.session_of(run), port, _say, browser=browser)
+    else:
+        _film(run, film, speed)
+
+
+def _run_to_view(
+    case: Path, to: Path | None, velocity: float | None, settings: list[str], np: int
+) -> tuple[list[str], Path]:
+    """What `elutria run` is told, and the folder of the run."""
+    from elutria.case.case import Case
+    from elutria.viewing.view import refuse_finished
+
+    source = Case(case)
+    source.check_settings(source.settings_for(velocity, settings))
+    folder = (to or Path("results") / source.name / "view").resolve()
+    _refuse_overlap(source.path, folder)
+    if to is not None:
+        refuse_finished(folder)
+    arguments = [str(case), "--np", str(np)]
+    arguments += [] if velocity is None else ["--velocity", repr(velocity)]
+    return arguments + [word for text in settings for word in ("--set", text)], folder
+
+
+def _film(run: Path, film: Path, speed: float) -> None:
+    from elutria.running.progress import ProgressDisplay
+    from elutria.viewing.film import record
+
+    with ProgressDisplay(console) as display:
+        record(run, film, speed, lambda share: display.update(film.name, share))
+    _say(str(film))
+
+
+def _say(line: str) -> None:
+    console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
 @app.command(epilog="Example: elutria vtk results/column/U5")

@@ -20,6 +20,8 @@ Description
 #include "gas/GasPhase.H"
 #include "gas/GasTable.H"
 #include "schedule/ScenePlan.H"
+#include "view/FrameWriter.H"
+#include "view/LiveControl.H"
 #include "run/AtomicTime.H"
 #include "run/caseFiles.H"
 #include "run/exitHandling.H"
@@ -64,6 +66,15 @@ scalar asWritten(const scalar value)
     text.precision(min(10, int(IOstream::defaultPrecision())));
     text<< value;
     return std::stod(text.str());
+}
+
+
+//- Does the run end with this step, whether or not the feed is over?
+bool isLast(const Time& runTime)
+{
+    return
+        runTime.value()
+      > runTime.endTime().value() - 0.5*runTime.deltaTValue();
 }
 
 
@@ -248,6 +259,10 @@ void run(const argList& args)
     {
         Warnings::start(runTime);
     }
+    const bool watched = args.found("frames") || FrameWriter::asked(runTime);
+    LiveControl control(runTime, gas, cloud.feed(), watched);
+    std::unique_ptr<FrameWriter> frames;
+
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
     const bool settles = plan.settles(cloud);
@@ -299,6 +314,10 @@ void run(const argList& args)
 
     plan.announce(cloud, runTime, unused);
     plan.account(ScenePlan::partOutput);
+    if (watched && cloud.feed())
+    {
+        frames.reset(new FrameWriter(runTime, gas, cloud, *cloud.feed()));
+    }
     exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
@@ -308,6 +327,8 @@ void run(const argList& args)
     bool drained = cloud.drained(cloud.count());
     while (!drained && runTime.run())
     {
+        control.follow();
+        plan.resume();
         #include "readTimeControls.H"
         maxDeltaT = min(maxDeltaT, largestStep);
         {
@@ -340,6 +361,10 @@ void run(const argList& args)
         if (drained && !atomic)
         {
             atomic.reset(new AtomicTime(runTime));
+        }
+        if (frames)
+        {
+            frames->write(count, control.now(), drained || isLast(runTime));
         }
         if (atomic)
         {
@@ -387,6 +412,13 @@ int main(int argc, char *argv[])
         "plan",
         "read the whole case, write what is expected and planned to"
         " postProcessing/plan.json, and run nothing"
+    );
+
+    argList::addBoolOption
+    (
+        "frames",
+        "for who looks on: write frames to postProcessing/frames/frames.bin, and"
+        " follow postProcessing/frames/control"
     );
 
     #include "addCheckCaseOptions.H"

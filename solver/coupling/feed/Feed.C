@@ -283,6 +283,23 @@ label Feed::seedEntry() const
 }
 
 
+scalar Feed::massFactor(const scalar time) const
+{
+    if (steering_.empty())
+    {
+        return 1;
+    }
+    const Steering::Change now = steering_.at(time);
+    return now.loading*(found("loading") ? now.gas : 1);
+}
+
+
+scalar Feed::entryTime(const label k) const
+{
+    return start_ + slot(k)/rate_;
+}
+
+
 scalar Feed::random(const label i, const label k) const
 {
     return elutria::laws::uniform
@@ -339,7 +356,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     rate_(0),
     slots_(0),
     parcels_(0),
-    first_(0)
+    first_(0),
+    steering_(mesh.time())
 {
     requireOwnEntries(*this, ownDictionary::feed);
     goOn(phaseName);
@@ -378,7 +396,8 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
     rate_(0),
     slots_(0),
     parcels_(0),
-    first_(0)
+    first_(0),
+    steering_(mesh.time())
 {
     takeOver(phaseName, told);
     readAll(phaseName);
@@ -512,7 +531,7 @@ Feed::Particle Feed::ownParticle(const label k) const
 {
     const elutria::laws::FedParcel parcel = drawn(k);
     Particle p;
-    p.time = start_ + slot(k)/rate_;
+    p.time = entryTime(k);
     p.material = parcel.material;
     p.diameter = parcel.diameter;
     p.number = ownNumber(k);

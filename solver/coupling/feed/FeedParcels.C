@@ -89,7 +89,9 @@ scalar Feed::number(const label i) const
 
 scalar Feed::ownNumber(const label k) const
 {
-    return weighted() ? drawn(k).mass/ownMass(k) : 1;
+    return
+        weighted()
+      ? massFactor(entryTime(k))*drawn(k).mass/ownMass(k) : 1;
 }
 
 

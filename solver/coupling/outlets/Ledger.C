@@ -264,6 +264,7 @@ Ledger::Ledger(const Feed& feed, const Time& runTime)
     feed_(feed),
     directory_(runTime.globalPath()/"postProcessing"),
     file_(directory_/"outlets"/runTime.timeName()/"particles.csv"),
+    watched_(false),
     left_(feed.products().size(), List<Amount>(feed.materials().size())),
     injected_(feed.materials().size()),
     fed_(0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import hashlib
 import os
 import re
 import shutil
@@ -35,6 +36,7 @@ SOLVER = "elutriaFoam"
 CASE_AT_FAULT = 2
 """The solver's exit code when it refuses a case."""
 SETTLED_GAS = "constant/settledGas"
+STEERING = "system/steering"
 PLAN = "postProcessing/plan.json"
 LOG = f"log.{SOLVER}"
 
@@ -94,14 +96,16 @@ def run_case(
     *,
     anew: bool = True,
     extend: bool = False,
+    frames: bool = False,
 ) -> Case:
     """Run `case` with `settings` in `folder`. A complete run of the same inputs is not run again,
     one that was stopped goes on; a run of other inputs is removed first, or refused if not `anew`,
     or goes on with the new ones if `extend`.
 
     `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
-    run in the folder `neighbour`, where that has settled. Raises InputError before anything
-    is run, ElutriaError with the solver's reason when it fails.
+    run in the folder `neighbour`, where that has settled. With `frames`, the solver records them
+    and can be steered; a run that was steered is one of other inputs. Raises InputError before
+    anything is run, ElutriaError with the solver's reason when it fails.
     """
     settings = list(settings)
     fingerprint = case.fingerprint(settings, np)
@@ -109,15 +113,16 @@ def run_case(
         if is_finished(folder, fingerprint):
             return Case(folder)
         _need_programs(np)
+        solving = _Solving(case, on_step, frames)
         marker = Marker(Identity.of(case, settings), fingerprint, np, replicate, started=now())
         before = Marker.read(folder)
         if before is not None and not before.ready:
             before = None  # stopped before its solver began
         if before is not None and before.inputs == fingerprint:
-            _go_on(folder, replace(marker, ready=True), before, on_step)
+            _go_on(folder, replace(marker, ready=True), before, solving)
         elif before is not None and extend:
             with replaced_inputs(case, folder, settings, before, marker):
-                _go_on(folder, replace(marker, ready=True), before, on_step)
+                _go_on(folder, replace(marker, ready=True), before, solving)
         elif not anew and (before is not None or (folder / FINISHED).is_file()):
             found = before.identity.differences(marker.identity) if before else []
             raise InputError(
@@ -126,8 +131,18 @@ def run_case(
                 "anew"
             )
         else:
-            _start(case, folder, settings, marker, neighbour, on_step)
+            _start(case, folder, settings, marker, neighbour, solving)
     return Case(folder)
+
+
+@dataclass(frozen=True)
+class _Solving:
+    """What a run's solver is started with: the case that it is of, who hears of its steps, and
+    whether it records frames."""
+
+    case: Case
+    on_step: Callable[[float, Step], None]
+    frames: bool
 
 
 def _start(
@@ -136,7 +151,7 @@ def _start(
     settings: list[Setting],
     marker: Marker,
     neighbour: Path | None,
-    on_step: Callable[[float, Step], None],
+    solving: _Solving,
 ) -> None:
     """A run from its beginning, in a new folder."""
     _clear(folder)
@@ -152,12 +167,10 @@ def _start(
         _program(["decomposePar", "-force"], folder, "log.decomposePar")
     marker = replace(marker, ready=True)
     marker.write(folder)
-    _solve_and_mark(folder, marker, on_step)
+    _solve_and_mark(folder, marker, solving)
 
 
-def _go_on(
-    folder: Path, marker: Marker, before: Marker, on_step: Callable[[float, Step], None]
-) -> None:
+def _go_on(folder: Path, marker: Marker, before: Marker, solving: _Solving) -> None:
     """A run from the last time that its solver has written."""
     marker = replace(marker, spent_s=before.ended(folder, LOG))
     number = 1
@@ -166,18 +179,18 @@ def _go_on(
     with contextlib.suppress(FileNotFoundError):
         (folder / LOG).rename(folder / f"{LOG}.{number}")
     marker.write(folder)
-    _solve_and_mark(folder, marker, on_step)
+    _solve_and_mark(folder, marker, solving)
 
 
-def _solve_and_mark(folder: Path, marker: Marker, on_step: Callable[[float, Step], None]) -> None:
+def _solve_and_mark(folder: Path, marker: Marker, solving: _Solving) -> None:
     from elutria.classification.events import read_run  # pandas, which a check does not need
 
     copy = Case(folder)
-    watched = _watched(copy, copy.velocity(), on_step)
-    solve(folder, marker.np, _goal(copy, copy.feed()), watched)
+    watched = _watched(copy, copy.velocity(), solving.on_step)
+    solve(folder, marker.np, _goal(copy, copy.feed()), watched, frames=solving.frames)
     read_run(folder)  # complete, or not finished
     content = {
-        "inputs": marker.inputs,
+        "inputs": _steered(solving.case, folder, marker.inputs),
         "gas_velocity_m_s": copy.velocity(),
         "wall_time_s": round(marker.spent_s + now() - marker.started, 3),
     }
@@ -201,6 +214,14 @@ def _watched(
         on_step(share, step)
 
     return watch
+
+
+def _steered(case: Case, folder: Path, fingerprint: str) -> str:
+    """The hash of a run's inputs, with what was done to it on the way."""
+    own, done = case.path / STEERING, folder / STEERING
+    if not done.is_file() or (own.is_file() and own.read_bytes() == done.read_bytes()):
+        return fingerprint
+    return hashlib.sha256(fingerprint.encode() + done.read_bytes()).hexdigest()
 
 
 def read_plan(folder: Path) -> dict[str, Any]:
@@ -311,7 +332,14 @@ def _program(arguments: list[str], folder: Path, log: str, refuses: bool = False
         raise ElutriaError(f"{arguments[0]} failed in {folder}: {_reason(folder / log)}")
 
 
-def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], None]) -> None:
+def solve(
+    folder: Path,
+    np: int,
+    goal: Goal,
+    on_step: Callable[[float, Step], None],
+    *,
+    frames: bool = False,
+) -> None:
     """Run the solver in `folder` on `np` processors. Raises ElutriaError with its reason,
     InputError where it refuses the case."""
     from elutria.running.solver import follow
@@ -321,6 +349,8 @@ def solve(folder: Path, np: int, goal: Goal, on_step: Callable[[float, Step], No
         command = ["mpirun", "-np", str(np), SOLVER, "-parallel"]
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    if frames:
+        command.append("-frames")
     outcome = follow(folder, command, LOG, lambda step: on_step(goal.share(step), step))
     if outcome.interrupted:
         raise KeyboardInterrupt

@@ -7,11 +7,13 @@
 
 #include "gas/GasPhase.H"
 #include "gas/GasClock.H"
+#include "gas/scaledInflow.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "fixedValueFvPatchFields.H"
 #include "foam/requirePositive.H"
+#include "processorPolyPatch.H"
 #include "wallPolyPatch.H"
 
 namespace Foam
@@ -448,6 +450,36 @@ void GasPhase::solve
     }
     reportContinuity();
     keepBoundaries();
+}
+
+
+wordList GasPhase::scaleInflow(const scalar factor)
+{
+    DynamicList<word> others;
+    forAll(mesh_.boundary(), patchi)
+    {
+        const fvPatch& patch = mesh_.boundary()[patchi];
+        if (isA<processorPolyPatch>(patch.patch()))
+        {
+            break;      // these are each processor's own, and come last
+        }
+        const fvPatchVectorField& U = U_.boundaryField()[patchi];
+        const scalar entering =
+            patch.coupled() ? 0 : gSum(max(-(U & patch.Sf()), scalar(0))());
+        if (entering > 0 && isA<fixedValueFvPatchVectorField>(U))
+        {
+            autoPtr<fvPatchVectorField> scaled(scaledInflow(U, factor));
+            if (scaled.valid())
+            {
+                U_.boundaryFieldRef(false).set(patchi, scaled.ptr());
+            }
+            else
+            {
+                others.append(patch.name());
+            }
+        }
+    }
+    return wordList(std::move(others));
 }
 
 

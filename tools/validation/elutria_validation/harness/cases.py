@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +47,14 @@ def timing(step: float, end: float) -> dict[str, Any]:
     return {f"{CONTROL}:deltaT": step, f"{CONTROL}:endTime": end, f"{CONTROL}:writeInterval": end}
 
 
-def solve(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> str:
-    """Run the solver in `case`; its output, also kept in log.SOLVER. Raises ElutriaError with the
-    solver's reason."""
+def solve(
+    case: Path,
+    processors: int = 1,
+    solver: str = "elutriaFoam",
+    options: Sequence[str] = (),
+) -> str:
+    """Run the solver with its `options` in `case`; its output, also kept in log.SOLVER. Raises
+    ElutriaError with the solver's reason."""
     command = [solver]
     if processors > 1:
         run_program(["decomposePar", "-force"], case)
@@ -57,7 +62,7 @@ def solve(case: Path, processors: int = 1, solver: str = "elutriaFoam") -> str:
         for file in case.glob("processor*/0/uniform/lagrangian/*/cloudProperties"):
             change(file.parent, {f"{file.name}:geometry": "coordinates"})
         command = ["mpirun", "-np", str(processors), solver, "-parallel"]
-    with started_in(case, command) as placed:
+    with started_in(case, [*command, *options]) as placed:
         done = subprocess.run(placed, cwd=case, capture_output=True, text=True, check=False)
     (case / f"log.{solver}").write_text(done.stdout + done.stderr)
     if done.returncode != 0:

@@ -1,0 +1,161 @@
+"""`elutria view`: a page of a case that it runs, of a run that goes on, or of a recorded one."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import fcntl
+import shutil
+import signal
+import subprocess
+import sys
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+from elutria.errors import ElutriaError, InputError, one_line
+from elutria.running.marker import FINISHED, MARKER
+from elutria.viewing.frames import FRAMES
+from elutria.viewing.sessions import LiveSession, ReplaySession, Session
+
+MOST_LINES = 20
+"""Of what the run says, as many are kept to say why it failed."""
+
+
+class Run:
+    """`elutria run CASE --frames` beside this process; it ends with this process."""
+
+    def __init__(self, arguments: list[str], folder: Path):
+        self.folder = folder
+        # of an earlier view: not to be taken for this run's
+        for stale in (folder / FRAMES, folder / FINISHED):
+            stale.unlink(missing_ok=True)
+        command = [sys.executable, "-m", "elutria", "run", *arguments, "--frames"]
+        command += ["--to", str(folder)]
+        if shutil.which("setpriv"):
+            command = ["setpriv", "--pdeathsig", "TERM", *command]
+        self._lines: list[str] = []
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            text=True, errors="replace",
+        )  # fmt: skip
+
+    def ended(self) -> tuple[str, str] | None:
+        """How it ended: state and text; None while it goes on."""
+        code = self._process.poll()
+        if code is None:
+            return None
+        if not self._lines and self._process.stderr:
+            self._lines = self._process.stderr.read().splitlines()[-MOST_LINES:]
+        if code == 0:
+            return "ended", "the run has ended"
+        reason = self._lines[-1] if self._lines else f"exit code {code}"
+        return "failed", one_line(reason.removeprefix("elutria: "), 400)
+
+    def wait(self) -> None:
+        """Until it has ended."""
+        self._process.wait()
+
+    def stop(self) -> None:
+        """End it, if it has not ended."""
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(5)
+                return
+            self._process.kill()
+            self._process.wait()
+
+
+def is_run(folder: Path) -> bool:
+    """Whether a folder is a run of elutria or has frames, and so is not a case to be run."""
+    return (folder / MARKER).is_file() or (folder / FRAMES).is_file()
+
+
+def runs_in(results: Path) -> list[Path]:
+    """The runs of a folder of results that have frames or are about to have them."""
+    return sorted(marker.parent for marker in results.glob(f"*/{MARKER}"))
+
+
+def is_going_on(run: Path) -> bool:
+    """Whether an elutria is at work in a run's folder."""
+    lock = run.resolve().parent / f".{run.resolve().name}.lock"
+    try:
+        with lock.open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def session_of(run: Path) -> Session:
+    """What there is to see of a run: the run itself while it goes on, then what was recorded."""
+    if is_going_on(run):
+        return LiveSession(
+            run, lambda: None if is_going_on(run) else ("ended", "the run has ended")
+        )
+    return ReplaySession(run)
+
+
+def look_on(session: Session, port: int, say: Callable[[str], None], *, browser: bool) -> None:
+    """Serve the page until Ctrl-C. Raises InputError where the port cannot be had."""
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_serve(session, port, say, browser))
+
+
+async def _serve(session: Session, port: int, say: Callable[[str], None], browser: bool) -> None:
+    try:
+        address = await session.server.start(port)
+    except OSError as error:
+        raise InputError(f"--port {port}: {one_line(error)}; allowed: a free port, or 0") from error
+    say(address)
+    if browser:
+        webbrowser.open(address)
+    fits = asyncio.create_task(session.fit())
+    try:
+        await session.play()
+        await asyncio.Event().wait()  # the page stays until it is told to go
+    finally:
+        fits.cancel()
+        await session.server.stop()
+
+
+def view_case(
+    arguments: list[str], folder: Path, port: int, say: Callable[[str], None], *, browser: bool
+) -> None:
+    """Run a case and show it; it is ended when the page is."""
+    running = Run(arguments, folder)
+    try:
+        look_on(LiveSession(folder, running.ended), port, say, browser=browser)
+    finally:
+        running.stop()
+
+
+def run_case_to_end(arguments: list[str], folder: Path) -> None:
+    """Run a case and record it. Raises ElutriaError where it fails."""
+    running = Run(arguments, folder)
+    try:
+        running.wait()
+    finally:
+        running.stop()
+    state, text = running.ended() or ("", "")
+    if state == "failed":
+        raise ElutriaError(text)
+
+
+def refuse_results(folder: Path) -> None:
+    """Raise InputError for a folder of several runs, with their names."""
+    names = ", ".join(run.name for run in runs_in(folder))
+    if names:
+        raise InputError(f"{folder}: holds several runs; allowed: one of them ({names})")
+
+
+def refuse_finished(folder: Path) -> None:
+    """Raise InputError where another run than a view's has its results."""
+    if (folder / FINISHED).is_file():
+        raise InputError(
+            f"--to {folder}: holds a finished run; allowed: another folder, or 'elutria view "
+            f"{folder}' if it is what you want to see"
+        )
