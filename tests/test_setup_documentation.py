@@ -39,6 +39,8 @@ USERS_NAMES = {
     "e.keyword()": "outlets: the products' names",
     "name": "pairs: MATERIAL-MATERIAL; stock's wallLocalSpringSliderDashpot: the walls' names",
     "model + Coeffs": "stock's coefficients of the patch interaction",
+    "product": "outlets: the patches of a product",
+    "partitionTo_": "the entry partitionTo, whose default it is",
     "source.name()": "a source of constant/fvOptions",
     "reverse": "pairs: the other way round",
     "usual": "particleParticle or particleWall",

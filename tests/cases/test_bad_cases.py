@@ -232,12 +232,12 @@ def test_an_outlet_that_is_a_wall_and_an_open_patch_without_a_product(
     code, said = start(case)
     assert code == 2
     assert "coarse: the patch west has the type wall, through which nothing leaves" in said
-    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"], "coarse": []}})
+    change(case, {f"{malformed.FEED}:outlets": {"fines": ["top"]}})
     code, said = start(case)
     assert code == 2
     assert "constant/feed" in said
     assert "the open patch bottom belongs to no product" in said
-    assert "allowed: its name in fines, coarse, in a product other (bottom)" in said
+    assert "allowed: its name in fines, in a product other (bottom)" in said
     change(case, {f"{malformed.FEED}:outlets/other": ["bottom"]})
     assert start(case)[0] == 0
 

@@ -68,7 +68,7 @@ SHORT = tuple(f"{PARAMETERS}:{text}" for text in ("particles=100", "feedTime=0.2
 def same(one: Events, other: Events) -> bool:
     """Whether the same parcels left at the same times through the same outlets."""
     return all(
-        np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+        np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind == "f")
         for a, b in zip(vars(one).values(), vars(other).values(), strict=True)
     )
 

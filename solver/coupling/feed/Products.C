@@ -150,12 +150,12 @@ Products::Products(const dictionary& feed, const polyBoundaryMesh& patches)
             << "there is no outlet, allowed: NAME (patches); for each product"
             << exit(FatalIOError);
     }
-    word last(names_.last());
+    partitionTo_ = names_.last();
     for (const word& name : names_)
     {
-        last = name == "other" ? last : name;
+        partitionTo_ = name == "other" ? partitionTo_ : name;
     }
-    partitionTo_ = feed.getOrDefault<word>("partitionTo", last);
+    feed.readIfPresent("partitionTo", partitionTo_);
     if (!names_.found(partitionTo_))
     {
         FatalIOErrorInFunction(feed)

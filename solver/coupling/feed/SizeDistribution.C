@@ -51,7 +51,7 @@ laws::CumulativeCurve readSieveFile(const dictionary& dict)
     {
         return laws::sieveTable
         (
-            text.str(), dict.getOrDefault<scalar>("min", 0)
+            text.str(), dict.found("min") ? dict.get<scalar>("min") : 0
         );
     }
     catch (const std::invalid_argument& refused)

@@ -188,7 +188,6 @@ CHANGES = [
     ("(bottom)", "()", "outlets/coarse"),
     ("coarse (bottom);", "fines (bottom);", "constant/feed: fines: is there twice; allowed: once"),
     ("coarse (bottom);", "inside (bottom);", "'inside' cannot be a product"),
-    ("fines (top);", "", "open patch 'top'"),
     ("patch feedSlot", "partitionTo nowhere;\npatch feedSlot", "partitionTo"),
     ("coarse (bottom);", "coarse (bottom); dust (lid);", "the last product, dust, although"),
     ("feedSlot", "feedslot", "no patch 'feedslot'"),

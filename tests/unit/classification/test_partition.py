@@ -97,7 +97,7 @@ def test_wilson_covers() -> None:
 
 
 def test_the_series_of_sieves_is_the_one_that_the_feed_is_exact_in() -> None:
-    diameters, *_ = laws.law_sizes("uniform", [], 1.03e-4, 1.02e-3, "mass")
+    diameters, *_ = laws.law_sizes("uniform", [], 1.03e-4, 1.02e-3, "mass").curves()
     limits = class_limits(1.03e-4, 1.02e-3)[1:-1]
     assert len(limits) == 20
     assert set(limits) <= set(diameters)

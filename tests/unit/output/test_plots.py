@@ -223,12 +223,12 @@ def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
 
 def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> None:
     folder = results(tmp_path, [4.0, 5.0], ["quartz"])
-    summary = read_csv(folder / "summary.csv", ["gas_velocity_m_s", "warnings"])
+    found = plots.read_results(folder)
     figure = Figure()
-    plots._caption(figure, summary)
+    plots._caption(figure, found.settings, found.summary)
     assert not [text for text in figure.findobj(Text) if text.get_text()]
-    for row in summary:
+    for row in found.summary:
         row["warnings"] = 2.0 if row["gas_velocity_m_s"] == 4 else 0.0
-    plots._caption(figure, summary)
+    plots._caption(figure, found.settings, found.summary)
     (said,) = [text.get_text() for text in figure.findobj(Text) if text.get_text()]
     assert said.endswith(": 4 m/s")

@@ -334,16 +334,16 @@ def test_a_marker_of_other_inputs_does_not_count(tmp_path: Path) -> None:
 
 def test_progress_goes_to_one(tmp_path: Path) -> None:
     goal = Goal(tmp_path, asked=100, latest=20)
-    assert goal.share(Step(0.1, 0, 0, 0, 0, 0)) == pytest.approx(0.005)
-    assert goal.share(Step(0.5, 100, 40, 60, 0, 0)) == 1
-    assert Goal(tmp_path, None, 2.0).share(Step(1.0, 5, 1, 1, 3, 0)) == 0.5
+    assert goal.share(Step(0.1, 0, {}, 0, 0)) == pytest.approx(0.005)
+    assert goal.share(Step(0.5, 100, {"fines": 40, "coarse": 60}, 0, 0)) == 1
+    assert Goal(tmp_path, None, 2.0).share(Step(1.0, 5, {"fines": 1, "coarse": 1}, 3, 0)) == 0.5
 
 
 def test_progress_is_of_the_parcels_that_the_solver_plans(tmp_path: Path) -> None:
     plan = tmp_path / PLAN
     plan.parent.mkdir(parents=True)
     plan.write_text('{"feed": {"parcels": 200}}')
-    step = Step(0.5, 100, 40, 60, 0, 0)
+    step = Step(0.5, 100, {"fines": 40, "coarse": 60}, 0, 0)
     assert Goal(tmp_path, asked=100, latest=20).share(step) == 0.5
     plan.write_text('{"feed": null}')
     assert Goal(tmp_path, asked=100, latest=20).share(step) == 1

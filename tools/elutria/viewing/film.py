@@ -178,7 +178,7 @@ class _Picture:
         colours = np.array(COLOURS)[frame.particles["material"] % len(COLOURS)]
         self.dots.set_offsets(places.reshape(-1, 2))
         self.dots.set_sizes(np.maximum(points, SMALLEST) ** 2)
-        self.dots.set_facecolors(list(colours))
+        self.dots.set_facecolor(list(colours))
 
     def _draw_curve(self) -> None:
         data = summary(self.scene, self.statistics.rows(), 0.0)

@@ -71,14 +71,19 @@ def summary(scene: Scene, rows: NDArray[Any], since: float) -> dict[str, Any]:
 
 def _events(scene: Scene, rows: NDArray[Any]) -> Events:
     return Events(
-        material=pd.Categorical.from_codes(rows["material"].astype(int), scene.materials),
-        outlet=pd.Categorical.from_codes(rows["product"].astype(int), [*scene.products, INSIDE]),
+        material=_named(rows["material"], scene.materials),
+        outlet=_named(rows["product"], [*scene.products, INSIDE]),
         diameter=rows["diameter"].astype(float),
         density=scene.densities[rows["material"]],
         number=rows["number"].astype(float),
         time=rows["time"].astype(float) - rows["age"],
         partition_to=scene.partition_to,
     )
+
+
+def _named(codes: NDArray[Any], names: list[str]) -> Any:
+    """Categories by their numbers."""
+    return pd.Categorical.from_codes(codes.astype(np.int64), pd.Index(names))
 
 
 def _products(scene: Scene, rows: NDArray[Any], events: Events) -> list[dict[str, Any]]:

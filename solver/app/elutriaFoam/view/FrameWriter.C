@@ -9,7 +9,7 @@
 #include "view/boundaryFile.H"
 #include "foam/foamVersion.H"
 #include "foam/requirePositive.H"
-#include "schedule/Json.H"
+#include "foam/Json.H"
 #include "profiling.H"
 
 #include <cstring>

@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "view/GasSlice.H"
-#include "schedule/Json.H"
+#include "foam/Json.H"
 #include "Pstream.H"
 
 #include <algorithm>

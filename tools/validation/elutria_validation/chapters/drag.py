@@ -272,7 +272,7 @@ def out_of_range(folder: Path, _quick: bool) -> Section:
     ):  # fmt: skip
         entries = {name: {"alphac": "alpha.air"}}
         _, said = drag_coefficients(folder / f"{name}{solids}", entries, solids)
-        reported = int(f"Warning: {name} is used at" in said)
+        reported = int(f"Warning: {name} is used outside its range" in said)
         section.rows.append(
             Row(f"{name}, Re up to 1e4, void fraction {1 - solids:g}", "reported", expected,
                 reported, abs(expected - reported), 0)
