@@ -364,7 +364,9 @@ void run(const argList& args)
         }
         if (frames)
         {
-            frames->write(count, control.now(), drained || isLast(runTime));
+            // A restart goes on with the departures after a written time
+            const bool now = drained || isLast(runTime) || runTime.writeTime();
+            frames->write(count, control.now(), now);
         }
         if (atomic)
         {
