@@ -10,6 +10,8 @@
 #include "Fstream.H"
 #include "polyBoundaryMesh.H"
 
+#include <algorithm>
+
 namespace Foam
 {
 
@@ -156,7 +158,7 @@ Products::Products(const dictionary& feed, const polyBoundaryMesh& patches)
         partitionTo_ = name == "other" ? partitionTo_ : name;
     }
     feed.readIfPresent("partitionTo", partitionTo_);
-    if (!names_.found(partitionTo_))
+    if (std::find(names_.begin(), names_.end(), partitionTo_) == names_.end())
     {
         FatalIOErrorInFunction(feed)
             << "partitionTo is " << partitionTo_ << ", allowed: " << names_
