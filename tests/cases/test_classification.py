@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from elutria.classification.events import Events, read_run
+from elutria.errors import ElutriaError
 from elutria_validation.chapters.classification import PLUG_FLOW
 from elutria_validation.harness.box import BoxCase, cube
 from elutria_validation.harness.cases import add_feed, material, solve
@@ -117,3 +118,30 @@ def test_a_focus_draws_half_of_the_parcels_and_keeps_the_distribution(
     around = np.abs(np.log(events.diameter / CUT)) < log(1.3)
     expected = even if focus == "none" else 0.5 + 0.5 * even
     measured("share of parcels around the cut", abs(around.mean() - expected), 0.02)
+
+
+def test_a_feed_of_a_sieve_analysis_and_a_law_at_once(tmp_path: Path, measured) -> None:
+    """A file in the case and a law, summed: read by the solver as they are written."""
+    case = BoxCase(**cube(1), step=0.01, end=0.02, interval=0.01).make(tmp_path / "case")
+    sieves = "diameter_um,retained_percent\n2000,0\n1600,100\n1000,0\n"
+    (case / "constant/sieves.csv").write_text(sieves)
+    parts = {
+        "fine": {"share": 0.4, "type": "RosinRammler", "d63": 6e-4, "n": 3, "min": 2e-4,
+                 "max": 1.2e-3},
+        "coarse": {"share": 0.6, "type": "sieve", "file": '"constant/sieves.csv"'},
+    }  # fmt: skip
+    materials = material(2650, type="sum", parts=parts)
+    add_feed(case, {"massFlowRate": 1, "duration": 0.01, "particles": 2000, "parcels": "evenMass",
+                    "materials": materials})  # fmt: skip
+    solve(case)
+    events = read_run(case).events
+
+    def law(diameter: Array) -> Array:
+        sieved = np.clip((diameter - 1.6e-3) / 4e-4, 0, 1)
+        return 0.4 * np.clip(rosin_rammler(diameter), 0, 1) + 0.6 * sieved
+
+    difference, critical = kolmogorov_smirnov(events.diameter, events.mass, law)
+    measured("Kolmogorov-Smirnov distance", difference, critical)
+    (case / "constant/sieves.csv").unlink()
+    with pytest.raises(ElutriaError, match=r"constant/sieves.csv is not found, allowed"):
+        solve(case)
