@@ -155,12 +155,12 @@ def test_none_is_outside_and_none_hangs_in_mid_air(
         Setting("system/controlDict", "writeInterval", "0.1"),
         Setting("system/controlDict", "purgeWrite", "0"),
         **{**COARSE[name], "cellSize": 0.008} if name == "zigzag" else COARSE[name],
-        particles=1500, feedTime=0.5, drainTime=2,
+        particles=600, feedTime=0.5, drainTime=1.5,
     )  # fmt: skip
     accounts_close(case, measured)
     walls = wall_triangles(case)
     deepest, hanging, before = 0.0, 0, None
-    for time in times(case)[1:]:
+    for time in (name for name in times(case)[1:] if len(name) <= 3):  # each 0.1 s
         ids, cloud = read_cloud(case, time)
         radius = cloud.diameter / 2
         gap = distances(cloud.position, walls) - radius if len(ids) else np.empty(0)

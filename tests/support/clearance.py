@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from elutria_validation.harness.particles import Particles, read_particles
 
@@ -46,28 +47,26 @@ def wall_triangles(case: Path) -> Array:
 
 
 def distances(places: Array, triangles: Array) -> Array:
-    """Distance (m) of each place (n, 3) to the nearest triangle. Ericson 2005, section 5.1.5."""
-    return np.array([_nearest(place, triangles) for place in places])
-
-
-def _nearest(place: Array, triangles: Array) -> float:
-    a, b, c = (triangles[:, k] for k in range(3))
+    """Distance (m) of each place (n, 3) to the nearest triangle, of those around it. Ericson 2005,
+    section 5.1.5."""
+    nearest = cKDTree(triangles.mean(axis=1)).query(places, k=min(40, len(triangles)))[1]
+    a, b, c = (triangles[nearest, k] for k in range(3))
+    place = places[:, None]
     best = np.minimum.reduce([_to_edge(place, p, q) for p, q in ((a, b), (b, c), (c, a))])
     normal = np.cross(b - a, c - a)
-    area = np.linalg.norm(normal, axis=1)
-    height = np.sum((place - a) * normal, axis=1) / area
-    foot = place - (height / area)[:, None] * normal
-    within = np.ones(len(a), dtype=bool)
+    area = np.linalg.norm(normal, axis=2)
+    height = np.sum((place - a) * normal, axis=2) / area
+    foot = place - (height / area)[..., None] * normal
+    within = np.ones(area.shape, dtype=bool)
     for p, q in ((a, b), (b, c), (c, a)):
-        within &= np.sum(np.cross(q - p, foot - p) * normal, axis=1) >= 0
-    best[within] = np.minimum(best[within], np.abs(height[within]))
-    return float(best.min())
+        within &= np.sum(np.cross(q - p, foot - p) * normal, axis=2) >= 0
+    return np.asarray(np.where(within, np.minimum(best, np.abs(height)), best).min(axis=1))
 
 
 def _to_edge(place: Array, p: Array, q: Array) -> Array:
     along = q - p
-    share = np.clip(np.sum((place - p) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
-    return np.asarray(np.linalg.norm(place - p - share[:, None] * along, axis=1))
+    share = np.clip(np.sum((place - p) * along, axis=2) / np.sum(along**2, axis=2), 0, 1)
+    return np.asarray(np.linalg.norm(place - p - share[..., None] * along, axis=2))
 
 
 def gap_to_others(cloud: Particles) -> Array:
