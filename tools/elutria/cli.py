@@ -293,50 +293,27 @@ def view(
     speed: Annotated[float, typer.Option(min=0.01, help="Of the film over real time.")] = 1.0,
 ) -> None:
     """Watch a column in the browser and steer it, on this machine only; or make a film of it."""
+    from elutria.viewing import film as films
     from elutria.viewing import view as viewing
 
     if film is not None:
-        from elutria.viewing.film import check_name
-
-        check_name(film)
+        films.check_film(film)
     run = place
     if not viewing.is_run(place):
-        viewing.refuse_results(place)
-        arguments, run = _run_to_view(place, to, velocity, set_ or [], np)
+        run = viewing.folder_for(place, to)
+        _refuse_overlap(place, run)
+        arguments = viewing.run_arguments(place, velocity, set_ or [], np)
         if film is None:
             viewing.view_case(arguments, run, port, _say, browser=browser)
             return
         viewing.run_case_to_end(arguments, run)
     if film is None:
         viewing.look_on(viewing.session_of(run), port, _say, browser=browser)
-    else:
-        _film(run, film, speed)
-
-
-def _run_to_view(
-    case: Path, to: Path | None, velocity: float | None, settings: list[str], np: int
-) -> tuple[list[str], Path]:
-    """What `elutria run` is told, and the folder of the run."""
-    from elutria.case.case import Case
-    from elutria.viewing.view import refuse_finished
-
-    source = Case(case)
-    source.check_settings(source.settings_for(velocity, settings))
-    folder = (to or Path("results") / source.name / "view").resolve()
-    _refuse_overlap(source.path, folder)
-    if to is not None:
-        refuse_finished(folder)
-    arguments = [str(case), "--np", str(np)]
-    arguments += [] if velocity is None else ["--velocity", repr(velocity)]
-    return arguments + [word for text in settings for word in ("--set", text)], folder
-
-
-def _film(run: Path, film: Path, speed: float) -> None:
+        return
     from elutria.running.progress import ProgressDisplay
-    from elutria.viewing.film import record
 
     with ProgressDisplay(console) as display:
-        record(run, film, speed, lambda share: display.update(film.name, share))
+        films.record(run, film, speed, lambda share: display.update(film.name, share))
     _say(str(film))
 
 

@@ -56,7 +56,7 @@ def writer_for(path: Path) -> AbstractMovieWriter:
     )
 
 
-def check_name(to: Path) -> None:
+def check_film(to: Path) -> None:
     """Raise InputError where a film of this name cannot be made, before anything is run."""
     if to.suffix != ".html":
         writer_for(to)

@@ -13,6 +13,7 @@ import webbrowser
 from collections.abc import Callable
 from pathlib import Path
 
+from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.running.marker import FINISHED, MARKER
 from elutria.viewing.frames import FRAMES
@@ -145,17 +146,24 @@ def run_case_to_end(arguments: list[str], folder: Path) -> None:
         raise ElutriaError(text)
 
 
-def refuse_results(folder: Path) -> None:
-    """Raise InputError for a folder of several runs, with their names."""
-    names = ", ".join(run.name for run in runs_in(folder))
+def folder_for(place: Path, to: Path | None) -> Path:
+    """Where a case is run that is to be seen. Raises InputError for results of several runs, and
+    where another run than a view's has its results."""
+    names = ", ".join(run.name for run in runs_in(place))
     if names:
-        raise InputError(f"{folder}: holds several runs; allowed: one of them ({names})")
-
-
-def refuse_finished(folder: Path) -> None:
-    """Raise InputError where another run than a view's has its results."""
-    if (folder / FINISHED).is_file():
+        raise InputError(f"{place}: holds several runs; allowed: one of them ({names})")
+    if to is not None and (to / FINISHED).is_file():
         raise InputError(
-            f"--to {folder}: holds a finished run; allowed: another folder, or 'elutria view "
-            f"{folder}' if it is what you want to see"
+            f"--to {to}: holds a finished run; allowed: another folder, or 'elutria view {to}' "
+            "if it is what you want to see"
         )
+    return (to or Path("results") / Case(place).name / "view").resolve()
+
+
+def run_arguments(case: Path, velocity: float | None, settings: list[str], np: int) -> list[str]:
+    """What `elutria run` is told. Raises InputError where the case cannot be run so."""
+    source = Case(case)
+    source.check_settings(source.settings_for(velocity, settings))
+    arguments = [str(case), "--np", str(np)]
+    arguments += [] if velocity is None else ["--velocity", repr(velocity)]
+    return arguments + [word for text in settings for word in ("--set", text)]
