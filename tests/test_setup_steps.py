@@ -213,3 +213,69 @@ def test_only_a_list_that_names_a_header_that_has_gone_is_made_anew(tmp_path: Pa
     """
     subprocess.run(["bash", "-ec", script, "bash", str(ROOT)], cwd=tmp_path, check=True)
     assert [file.name for file in tmp_path.glob("*.dep")] == ["whole.dep"]
+
+
+# --- the page of elutria view
+
+FAKE_NPM = """#!/bin/bash
+echo "$1" >> '{root}/calls'
+[ ! -e '{root}/broken' ] || {{ echo "npm error network"; exit 1; }}
+for word; do case "$word" in --outfile=*) echo page > "${{word#--outfile=}}";; esac; done
+"""
+
+
+@pytest.fixture
+def page(clone: Path, tmp_path: Path) -> Callable[[], tuple[int, str, bool, list[str]]]:
+    """Runs the page's step: exit code, what it said, whether there is a page, calls of npm."""
+    shutil.copytree(ROOT / "tools/page", clone / "tools/page",
+                    ignore=shutil.ignore_patterns("node_modules"))  # fmt: skip
+    (clone / "tools/elutria/viewing/static").mkdir(parents=True)
+    (clone / "build").mkdir(exist_ok=True)
+    (clone / "programs").mkdir()
+    (clone / "programs/npm").write_text(FAKE_NPM.format(root=clone))
+    (clone / "programs/npm").chmod(0o755)
+    environment = {
+        "PATH": f"{clone}/programs:/usr/bin:/bin",
+        "ELUTRIA_CACHE": str(tmp_path / "cache"),
+    }
+
+    def run() -> tuple[int, str, bool, list[str]]:
+        (clone / "calls").unlink(missing_ok=True)
+        step = subprocess.run(
+            [str(clone / "etc/setup/page")],
+            env=environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        calls = clone / "calls"
+        built = (clone / "tools/elutria/viewing/static/page.js").is_file()
+        names = calls.read_text().split() if calls.exists() else []
+        return step.returncode, step.stdout + step.stderr, built, names
+
+    return run
+
+
+def test_the_page_is_built_once_and_anew_when_it_changed(
+    clone: Path, page: Callable[[], tuple[int, str, bool, list[str]]]
+) -> None:
+    assert page()[::2] == (0, True)
+    assert page()[3] == []
+    (clone / "tools/page/src/main.js").write_text("changed")
+    assert page()[3] == ["ci", "run"]
+
+
+def test_a_page_of_the_cache_needs_no_npm(
+    clone: Path, page: Callable[[], tuple[int, str, bool, list[str]]]
+) -> None:
+    page()
+    (clone / "tools/elutria/viewing/static/page.js").unlink()
+    assert page()[2:] == (True, [])
+
+
+def test_without_the_network_there_is_no_page_and_the_setup_goes_on(
+    clone: Path, page: Callable[[], tuple[int, str, bool, list[str]]]
+) -> None:
+    (clone / "broken").touch()
+    code, said, built, _ = page()
+    assert (code, built) == (0, False)
+    assert "until then there is no 'elutria view'" in said
+    (clone / "broken").unlink()
+    assert page()[::2] == (0, True)
