@@ -128,6 +128,7 @@ def test_a_case_may_ask_for_frames(tmp_path: Path) -> None:
     assert frames_of(case)[-1].time == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_two_processors_are_steered_as_one_is(tmp_path: Path) -> None:
     one, two = (steered(tmp_path / name, "(0.1 1.5 2)") for name in ("one", "two"))
     solve(one)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from elutria.errors import InputError
+from elutria.running.run import FRAMES
 from elutria.viewing.control import Control
-from elutria.viewing.frames import FRAMES, Frame, FrameReader, rises
+from elutria.viewing.frames import Frame, FrameReader, rises
 from elutria.viewing.recording import Recording
 from elutria.viewing.statistics import Statistics, summary
 from elutria.viewing.walls import read_walls

@@ -37,6 +37,7 @@ CASE_AT_FAULT = 2
 """The solver's exit code when it refuses a case."""
 SETTLED_GAS = "constant/settledGas"
 STEERING = "system/steering"
+FRAMES = "postProcessing/frames/frames.bin"
 PLAN = "postProcessing/plan.json"
 LOG = f"log.{SOLVER}"
 
@@ -110,7 +111,8 @@ def run_case(
     settings = list(settings)
     fingerprint = case.fingerprint(settings, np)
     with _lock(folder):
-        if is_finished(folder, fingerprint):
+        shown = not frames or (folder / FRAMES).is_file()
+        if shown and is_finished(folder, fingerprint):
             return Case(folder)
         _need_programs(np)
         solving = _Solving(case, on_step, frames)

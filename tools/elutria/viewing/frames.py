@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from elutria.errors import InputError, one_line
+from elutria.running.run import FRAMES
 
-FOLDER = "postProcessing/frames"
-FRAMES = f"{FOLDER}/frames.bin"
+FOLDER = str(Path(FRAMES).parent)
 MAGIC = b"ELUFRAM1"
 MOST_HEAD = 10_000_000
 

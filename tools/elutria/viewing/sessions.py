@@ -16,8 +16,9 @@ from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json
 from elutria.running.marker import MARKER
+from elutria.running.run import FRAMES
 from elutria.viewing.control import Control
-from elutria.viewing.frames import FRAMES, Frame, FrameReader, Scene
+from elutria.viewing.frames import Frame, FrameReader, Scene
 from elutria.viewing.recording import Recording
 from elutria.viewing.server import PageServer
 from elutria.viewing.statistics import Statistics, summary
@@ -43,6 +44,8 @@ class Session:
         self.control = Control()
         self.server = PageServer(self.wish)
         self.statistics: Statistics | None = None
+        self.end = ("", "")
+        """How a run ended that went on: state and text."""
         self._told = -1
 
     def wish(self, wish: dict[str, Any]) -> None:
@@ -122,8 +125,8 @@ class LiveSession(Session):
             await self._follow(reader)
             reader.close()
         self._over = True
-        state, text = self._ended() or ("ended", "the run has ended")
-        self.tell_state(state, text)
+        self.end = self._ended() or ("ended", "the run has ended")
+        self.tell_state(*self.end)
 
     async def _opened(self) -> FrameReader | None:
         """The frames, once there are any; None where the run ends without."""

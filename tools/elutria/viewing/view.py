@@ -16,7 +16,7 @@ from pathlib import Path
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.running.marker import FINISHED, MARKER
-from elutria.viewing.frames import FRAMES
+from elutria.running.run import FRAMES
 from elutria.viewing.sessions import LiveSession, ReplaySession, Session
 
 MOST_LINES = 20
@@ -117,6 +117,7 @@ async def _serve(session: Session, port: int, say: Callable[[str], None], browse
     fits = asyncio.create_task(session.fit())
     try:
         await session.play()
+        say(session.end[1])
         await asyncio.Event().wait()  # the page stays until it is told to go
     finally:
         fits.cancel()

@@ -469,7 +469,7 @@ wordList GasPhase::scaleInflow(const scalar factor)
         if (entering > 0 && isA<fixedValueFvPatchVectorField>(U))
         {
             autoPtr<fvPatchVectorField> scaled(scaledInflow(U, factor));
-            if (scaled.valid())
+            if (scaled)
             {
                 U_.boundaryFieldRef(false).set(patchi, scaled.ptr());
             }
