@@ -419,3 +419,14 @@ def test_a_product_of_few_heavy_parcels_is_no_error() -> None:
     share, low, high = fit.band(diameter)
     assert np.all((low <= share) & (share <= high))
     assert diameter[~coarse].max() <= fit.d50 <= diameter[coarse].min()
+def test_a_few_parcels_that_are_far_apart_have_a_curve() -> None:
+    """Of a column that has just begun: fines up to 601 um, coarse from 1298 um on; each parcel of
+    the same number by size stands for the fewer particles the larger it is."""
+    fines = np.geomspace(304e-6, 601e-6, 24)
+    coarse = np.array([1298, 1462, 1551, 1646, 1747, 1853, 1966]) * 1e-6
+    size = np.concatenate([fines, coarse])
+    fit = fit_partition(size, size > 1e-3, np.exp(-((size / 900e-6) ** 3)), np.arange(31.0))
+    assert 601e-6 < fit.d50 < 1298e-6
+    low, high = fit.sizes[0.50][1:]
+    assert low <= fit.d50 <= high
+    assert np.all(np.isfinite(fit.band(size)))

@@ -79,8 +79,8 @@ export class Panel {
   }
 
   statistics(data) {
-    $("d50").textContent = Number.isFinite(data.d50?.[0])
-      ? `${digits(1e6 * data.d50[0])} µm (${digits(1e6 * data.d50[1])} to ${digits(1e6 * data.d50[2])})` : "–";
+    const [d50, low, high] = (data.d50 ?? [NaN]).map((size) => digits(size === null ? NaN : 1e6 * size));
+    $("d50").textContent = data.d50 ? `${d50} µm (${low} to ${high})` : "–";
     $("since").textContent = `from ${digits(data.since, 3)} s`;
     const head = ["", ...this.scene.products.map((name) => `${name}, g`)];
     const rows = data.products.map((row) => [row.material, ...row.mass_kg.map((m) => digits(1000 * m, 4))]);
