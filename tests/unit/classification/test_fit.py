@@ -419,6 +419,8 @@ def test_a_product_of_few_heavy_parcels_is_no_error() -> None:
     share, low, high = fit.band(diameter)
     assert np.all((low <= share) & (share <= high))
     assert diameter[~coarse].max() <= fit.d50 <= diameter[coarse].min()
+
+
 def test_a_few_parcels_that_are_far_apart_have_a_curve() -> None:
     """Of a column that has just begun: fines up to 601 um, coarse from 1298 um on; each parcel of
     the same number by size stands for the fewer particles the larger it is."""
