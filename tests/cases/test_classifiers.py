@@ -28,7 +28,8 @@ Note = Callable[[str, float, float], None]
 
 COARSE = {
     "zigzag": {"cellSize": 0.012, "stages": 3, "feedStage": 2},
-    "grating": {"cellSize": 0.01, "bars": 2, "barWidth": 0.01, "barThickness": 0.01},
+    "grating": {"cellSize": 0.01, "bars": 2, "barWidth": 0.01, "barThickness": 0.01,
+                "gasVelocity": 4},
     "manganese": {"cellsWide": 4, "cellsDeep": 4, "cellsBelow": 20, "cellsSlot": 1,
                   "cellsAbove": 20},
     "cascade": {"cellSize": 0.012, "shelfThickness": 0.012, "shelves": 3, "feedShelf": 2},

@@ -365,7 +365,7 @@ void run(const argList& args)
         if (frames)
         {
             // A restart goes on with the departures after a written time
-            const bool now = drained || isLast(runTime) || runTime.writeTime();
+            const bool now = atomic || isLast(runTime);
             frames->write(count, control.now(), now);
         }
         if (atomic)

@@ -221,10 +221,14 @@ CumulativeCurve mixed(const std::vector<CumulativeCurve>& curves, const std::vec
         if (!(curve.diameter.back() > curve.diameter.front()))
             refuse("a part is a single size, allowed: a law or a table");
         sum.diameter.insert(sum.diameter.end(), curve.diameter.begin(), curve.diameter.end());
+        sum.limit.insert(sum.limit.end(), curve.limit.begin(), curve.limit.end());
     }
     if (sum.diameter.empty()) refuse("there are no parts, allowed: at least one");
-    std::sort(sum.diameter.begin(), sum.diameter.end());
-    sum.diameter.erase(std::unique(sum.diameter.begin(), sum.diameter.end()), sum.diameter.end());
+    for (std::vector<double>* const sizes : {&sum.diameter, &sum.limit})
+    {
+        std::sort(sizes->begin(), sizes->end());
+        sizes->erase(std::unique(sizes->begin(), sizes->end()), sizes->end());
+    }
     for (const double d : sum.diameter)
     {
         double finer = 0;

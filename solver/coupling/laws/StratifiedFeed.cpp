@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 namespace elutria::laws
 {
@@ -52,6 +53,7 @@ std::vector<std::size_t> apportioned(const std::vector<double>& quota,
                 || (add ? wanting(i) > wanting(chosen) : wanting(i) < wanting(chosen)))
                 chosen = i;
         }
+        if (chosen == quota.size()) throw std::logic_error("a feed without size classes");
         add ? ++count[chosen], ++sum : (--count[chosen], --sum);
     }
     return count;
