@@ -155,7 +155,8 @@ List<char> FrameWriter::gatherParticles() const
         append(own, particle(p));
     }
     List<List<char>> all(Pstream::nProcs());
-    all[Pstream::myProcNo()] = List<char>(own.begin(), own.end());
+    all[Pstream::myProcNo()].setSize(own.size());
+    std::copy(own.begin(), own.end(), all[Pstream::myProcNo()].begin());
     Pstream::gatherList(all);
 
     List<char> together;
