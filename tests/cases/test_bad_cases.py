@@ -45,7 +45,8 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A box of few cells with a feed that collides, meshed in ASCII, that runs for one step."""
     box = BoxCase(gas_velocity=2, cells=(2, 2, 3), contacts=Contacts(), end=1e-3)
     case = box.make(tmp_path_factory.mktemp("bad") / "scene")
-    quartz = material(2650, type="RosinRammler", d63=9e-4, n=3, min=3e-4, max=2e-3)
+    law = {"type": "RosinRammler", "d63": 9e-4, "n": 3, "min": 3e-4, "max": 2e-3}
+    quartz = {"quartz": material(2650, **law)["solid"]}
     add_feed(case, {"loading": 0.1, "particles": 50, "drainTime": 1, "materials": quartz})
     (case / "system/blockMeshDict").unlink()
     run_program(["elutriaFoam"], case)

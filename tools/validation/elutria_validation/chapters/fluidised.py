@@ -14,7 +14,13 @@ from elutria_validation.book.figures import COLOURS, GREEN, new_figure
 from elutria_validation.book.rows import Row, Section
 from elutria_validation.chapters.bed import GIDASPOW
 from elutria_validation.harness.box import BoxCase, Contacts, Pair
-from elutria_validation.harness.cases import patch_mean, read_patch_mean, solve, times
+from elutria_validation.harness.cases import (
+    PARAMETERS,
+    patch_mean,
+    read_patch_mean,
+    solve,
+    times,
+)
 from elutria_validation.harness.particles import Particles, read_particles
 from elutria_validation.references.drag import AIR, STANDARD_GRAVITY
 from elutria_validation.references.flows import ergun, minimum_fluidisation
@@ -106,7 +112,8 @@ def fluidise(folder: Path, bed: Bed, velocity: float, writes: int = 30) -> Means
         contacts=Contacts(Pair(0.8, 0, bed.stiffness), law="linearSpringDashpot",
                           treatment="soft"),
         tolerance=(1e-9, 1e-4), step=bed.step, end=bed.duration, interval=bed.duration / writes,
-        more=patch_mean("bottom", "p"),
+        # the spheres stand on a bottom that lets gas in
+        more={f"{PARAMETERS}:ends": "wall", **patch_mean("bottom", "p")},
     ).make(folder, Particles.of((grid + 0.5 + shaken) * bed.pitch, diameter=bed.diameter,
                                 density=bed.density))  # fmt: skip
     solve(case)
