@@ -179,8 +179,11 @@ def test_the_limit_makes_frames_rarer(tmp_path: Path) -> None:
     filled = size - np.cumsum([len(frame.content) for frame in frames][::-1])[::-1]
     rarer = 2 ** np.floor(-np.log2(1 - filled[1:] / limit))
     assert rarer.max() >= 4
-    gaps = np.diff([frame.time for frame in frames])
-    assert np.all(gaps[:-1] >= rarer[:-1] / rate - 1e-9)
+    times = np.array([frame.time for frame in frames])
+    gaps = np.diff(times)
+    written = np.abs(times[1:] - np.round(times[1:], 1)) < 1e-9  # these have a frame anyway
+    assert np.count_nonzero(~written) > 10
+    assert np.all((gaps >= rarer / rate - 1e-9)[~written])
 
 
 def test_a_disk_that_takes_nothing_costs_a_warning(tmp_path: Path) -> None:

@@ -362,16 +362,17 @@ void run(const argList& args)
         {
             atomic.reset(new AtomicTime(runTime));
         }
-        if (frames)
-        {
-            // A restart goes on with the departures after a written time
-            const bool now = atomic || isLast(runTime);
-            frames->write(count, control.now(), now);
-        }
         if (atomic)
         {
             write(runTime, cloud, plan, *atomic, drained);
             table.write();
+        }
+        if (frames)
+        {
+            // A restart goes on with the departures after a written time, which
+            // is now what its folder is called
+            const bool now = atomic || isLast(runTime);
+            frames->write(count, control.now(), now);
         }
         plan.countStep();
         plan.account(ScenePlan::partOutput);
