@@ -343,20 +343,6 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     mesh_(mesh),
     products_(*this, mesh.boundaryMesh()),
     entrance_(mesh, *this),
-    start_(0),
-    duration_(0),
-    drainTime_(GREAT),
-    maxParticles_(labelMax),
-    asked_(labelMax),
-    seed_(0),
-    sampling_(Sampling::particles),
-    gasFlow_(0),
-    gasFlowTold_(false),
-    massFlow_(0),
-    rate_(0),
-    slots_(0),
-    parcels_(0),
-    first_(0),
     steering_(mesh.time())
 {
     requireOwnEntries(*this, ownDictionary::feed);
@@ -383,20 +369,6 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
     mesh_(mesh),
     products_(*this, mesh.boundaryMesh()),
     entrance_(mesh, *this),
-    start_(0),
-    duration_(0),
-    drainTime_(GREAT),
-    maxParticles_(labelMax),
-    asked_(labelMax),
-    seed_(0),
-    sampling_(Sampling::particles),
-    gasFlow_(0),
-    gasFlowTold_(false),
-    massFlow_(0),
-    rate_(0),
-    slots_(0),
-    parcels_(0),
-    first_(0),
     steering_(mesh.time())
 {
     takeOver(phaseName, told);
