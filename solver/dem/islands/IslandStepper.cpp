@@ -111,28 +111,47 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
 }
 
 
-/// Whether a member comes near a wall within `time`.
-bool IslandStepper::meetsWalls(double time) const
+/// m/s, across the wall, of any member that comes near one within `time`, at most; infinite near a
+/// wall that is not flat there. Along a flat wall friction alone acts, which no speed stiffens.
+double IslandStepper::wallSpeed(double time)
 {
+    constexpr double infinite = 1e300;
+    double fastest = 0;
     for (std::size_t i = 0; i < gathered_.size(); ++i)
     {
-        const Vector3 now = gathered_.position[i];
-        if (walls_.near(now, now + time*gathered_.velocity[i], 2*gathered_.radius[i])) return true;
+        const Vector3 now = gathered_.position[i], velocity = gathered_.velocity[i];
+        const double radius = gathered_.radius[i], reach = 2*radius;
+        if (!walls_.near(now, now + time*velocity, reach)) continue;
+        walls_.collect(now, now + time*velocity, reach, images_);
+        if (images_.empty()) continue;
+        std::uint32_t below = 0;
+        if (!walls_.isFlat(now, reach + time*norm(velocity), images_)) return infinite;
+        walls_.contactsOnFlat(now, radius, reach + time*norm(velocity), images_, below, wall_);
+        for (const WallContact& contact : wall_)
+        {
+            const double across = std::abs(dot(velocity, contact.normal))
+                                + time*std::abs(dot(forcing(i), contact.normal));
+            fastest = std::max(fastest, across);
+        }
     }
-    return false;
+    return fastest;
 }
 
 
-/// m/s, of any two members within `time`, at most: from their velocities now, from what drag and
-/// forces make of them, and from what the deepest contact holds.
-double IslandStepper::meetingSpeed(double time) const
+/// m/s^2, of a member, by drag and forces.
+Vector3 IslandStepper::forcing(std::size_t i) const
+{
+    const Particles& p = gathered_;
+    return p.acceleration[i] + p.dragRate[i]*(p.gasVelocity[i] - p.velocity[i]);
+}
+
+
+/// m/s, of any two members, or of one and a wall, within `time`, at most: from their velocities now,
+/// from what drag and forces make of them, and from what the deepest contact holds.
+double IslandStepper::meetingSpeed(double time)
 {
     const Particles& p = gathered_;
     const double share = 1/double(p.size());
-    const auto forcing = [&](std::size_t i)
-    {
-        return p.acceleration[i] + p.dragRate[i]*(p.gasVelocity[i] - p.velocity[i]);
-    };
     Vector3 velocity, acceleration;
     for (std::size_t i = 0; i < p.size(); ++i)
     {
@@ -142,9 +161,12 @@ double IslandStepper::meetingSpeed(double time) const
     double speed = 0, smallest = 1e300, lightest = 1e300;
     for (std::size_t i = 0; i < p.size(); ++i)
     {
-        speed = std::max(speed, norm(p.velocity[i] - velocity)
-                                + time*norm(forcing(i) - acceleration)
-                                + p.radius[i]*norm(p.spin[i]));
+        if (p.size() > 1)
+        {
+            speed = std::max(speed, norm(p.velocity[i] - velocity)
+                                    + time*norm(forcing(i) - acceleration)
+                                    + p.radius[i]*norm(p.spin[i]));
+        }
         smallest = std::min(smallest, p.radius[i]);
         lightest = std::min(lightest, p.mass[i]);
     }
@@ -153,18 +175,17 @@ double IslandStepper::meetingSpeed(double time) const
     {
         held = std::max(held, table.law().storedEnergy(table(a, b), smallest, overlap_*smallest));
     });
-    return std::max(slowest, 2*speed + std::sqrt(4*held/lightest));
+    return std::max(slowest, std::max(2*speed, wallSpeed(time)) + std::sqrt(4*held/lightest));
 }
 
 
 /// Of the next chunk. A step for contacts at the members' own speed is far too short where they move
-/// side by side and press each other lightly.
-double IslandStepper::longestStep(const IslandResult& result) const
+/// side by side, or along a wall, and press each other or the wall lightly.
+double IslandStepper::longestStep(const IslandResult& result)
 {
     const double usual = stepLimit_(gathered_, 0);
     if (result.subSteps < longContact || gathered_.size() > smallIsland) return usual;
     const double guess = stepLimit_(gathered_, meetingSpeed(0));
-    if (meetsWalls(chunkSteps*guess)) return usual;
     return std::max(usual, stepLimit_(gathered_, meetingSpeed(chunkSteps*guess)));
 }
 

@@ -51,9 +51,10 @@ private:
     double softChunk(IslandResult& result, double begin, double end, bool& touching);
     void startSoft(const std::vector<ContactRecord>& history);
     void gather(const std::vector<ParticleState>& members);
-    double longestStep(const IslandResult& result) const;
-    double meetingSpeed(double time) const;
-    bool meetsWalls(double time) const;
+    double longestStep(const IslandResult& result);
+    double meetingSpeed(double time);
+    double wallSpeed(double time);
+    Vector3 forcing(std::size_t i) const;
 
     Settings settings_;
     const LawTables& laws_;
@@ -63,6 +64,8 @@ private:
     std::optional<SoftIntegrator> soft_;
     double overlap_ = 0;                       // over the smallest radius, in the last chunk
     Particles gathered_;
+    std::vector<Walls::Image> images_;         // scratch of wallSpeed()
+    std::vector<WallContact> wall_;
 };
 
 /// Steps many islands, on as many threads as the settings say.

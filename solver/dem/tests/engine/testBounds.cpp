@@ -30,7 +30,8 @@ Particles hoveringPair(double aside)
     return p;
 }
 
-std::size_t subStepsOf(Particles& p, ContactTreatment treatment, const ContactLaw& law)
+std::size_t subStepsOf(Particles& p, ContactTreatment treatment, const ContactLaw& law,
+                       const WallGeometry& walls = {})
 {
     PairProperties pair;
     pair.restitution = 0.8;
@@ -38,7 +39,7 @@ std::size_t subStepsOf(Particles& p, ContactTreatment treatment, const ContactLa
     Settings settings;
     settings.treatment = treatment;
     settings.law = &law;
-    Engine engine(settings, scenes::oneMaterial(pair));
+    Engine engine(settings, scenes::oneMaterial(pair), Walls(walls));
     std::size_t subSteps = 0;
     for (int k = 0; k < 3; ++k) subSteps += engine.advance(p, 0.01).subSteps;
     return subSteps;
@@ -61,6 +62,31 @@ TEST_CASE("grains that hover side by side and press each other lightly take few 
         CHECK(way > 1e-8);
         CHECK(norm(adaptive.position[i] - soft.position[i]) < 1e-3*way);
     }
+}
+
+TEST_CASE("a grain that hovers along a wall and leans on it takes few contact steps")
+{
+    const double radius = 50e-6, gravity = 9.81;
+    Particles start;
+    scenes::addSphere(start, {0, 0, radius}, radius, 4860);
+    for (int k = 1; k < 6; ++k) scenes::addSphere(start, {0, k*1e-2, 1}, radius, 4860);
+    start.acceleration.assign(start.size(), {gravity, 0, 0});
+    start.gasVelocity.assign(start.size(), {-1, 0, -1e-5});
+    start.dragRate.assign(start.size(), gravity);
+    start.dragRate[0] *= 0.999;
+
+    Particles adaptive = start, soft = start;
+    const ContactLaw& law = contactLaw<HertzMindlin>;
+    const WallGeometry floor = scenes::floorAt(0, 1);
+    const std::size_t few = subStepsOf(adaptive, ContactTreatment::automatic, law, floor);
+    const std::size_t many = subStepsOf(soft, ContactTreatment::soft, law, floor);
+    CAPTURE(few);
+    CAPTURE(many);
+    CHECK(few < many/3);
+    const double way = norm(soft.position[0] - start.position[0]);
+    CHECK(way > 1e-8);
+    CHECK(norm(adaptive.position[0] - soft.position[0]) < 1e-3*way);
+    CHECK(adaptive.position[0].z < radius);
 }
 
 TEST_CASE("a crowd of parcels that collide without end ends, and is told of")
