@@ -130,6 +130,27 @@ def test_gas_develops_after_its_inlet_has_changed(tmp_path: Path) -> None:
     assert 10 < done < steps
 
 
+def test_a_gas_taken_for_steady_is_found_out(tmp_path: Path) -> None:
+    """Half of the gas' speed appears while only particles should move it: it is watched again."""
+    case = tmp_path / "case"
+    CoarseColumn(6, 0.5, particles=300, end=0.2).run(case)
+    gas = case / "0.2/U.air"
+    text = gas.read_text()
+    assert re.search(r"flow\s+steady;", (case / "0.2/uniform/gasSolves").read_text())
+    head, values, tail = re.split(r"(?s)(?<=\n\()(.*?)(?=\n\))", text, maxsplit=1)
+    halved = re.sub(r"\(([^ ]+) ([^ ]+) ([^ ]+)\)", lambda m: _halved(*m.groups()), values)
+    gas.write_text(head + halved + tail)
+    change(case, {f"{CONTROL}:endTime": 0.6})
+    log = solve(case)
+    assert "the gas is solved on every step again" in log
+    speed = read_gas(case, times(case)[-1])[:, 2].mean()
+    assert speed == pytest.approx(6, rel=0.02)
+
+
+def _halved(*vector: str) -> str:
+    return "(" + " ".join(f"{0.5 * float(v):.9g}" for v in vector) + ")"
+
+
 def test_openfoams_average_over_time_counts_steps_without_a_solve(tmp_path: Path) -> None:
     """Of the mean upward velocity, which is the inlet's: 3 m/s for 0.1 s of 0.4 s, then 6 m/s."""
     average = """
