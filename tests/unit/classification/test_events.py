@@ -121,6 +121,18 @@ def test_a_row_that_cannot_be_is_refused(finished: Path, old: str, new: str) -> 
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("name", ["inside.csv", "outlets/0/particles.csv"])
+def test_a_row_longer_than_the_head_is_refused(finished: Path, name: str) -> None:
+    path = finished / "postProcessing" / name
+    text = path.read_text()
+    for row in (1, -1):
+        lines = text.splitlines()
+        lines[row] += ",1,2"
+        path.write_text("\n".join(lines) + "\n")
+        with pytest.raises(InputError, match=path.name):
+            read_run(finished)
+
+
 @pytest.mark.parametrize(
     "text", ["", "{", "[]", "null", "{}", '{"total": 1}', '{"total": {}, "materials": {}}', "\x00"]
 )

@@ -241,7 +241,7 @@ def _read_rows(path: Path) -> pd.DataFrame:
                     path, dtype=_TYPES, index_col=False, quoting=csv.QUOTE_NONE,
                     na_filter=False, skip_blank_lines=False,
                 )  # fmt: skip
-        except (ValueError, UserWarning, OverflowError) as error:
+        except (ValueError, Warning, OverflowError) as error:
             raise InputError(f"{path}: {one_line(error)}") from error
 
 
