@@ -7,9 +7,9 @@ from pathlib import Path
 from elutria.case.case import Case
 from elutria.classification.precision import Precision
 from elutria.running.axes import grid
+from elutria.running.engine import local_executor
 from elutria.running.results import Results
 from elutria.running.sweep import SweepResult, plan, run_sweep
-from elutria.running.worker import local_executor
 
 SMALL = ["system/simulationParameters:particles=400"]
 

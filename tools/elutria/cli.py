@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import traceback
 from collections.abc import Mapping
@@ -144,6 +143,10 @@ def sweep(
         typer.Option(help="Replicates until the 95 % interval of d50 is +- this share of it."),
     ] = None,
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
+    engine: Annotated[
+        str,
+        typer.Option(metavar="local|dask:ADDRESS|slurm[:OPTIONS]", help="Where the runs are done."),
+    ] = "local",
     wide: WideOption = False,
     formats: FormatOption = None,
 ) -> None:
@@ -152,9 +155,9 @@ def sweep(
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
     from elutria.running.axes import grid, read_points
+    from elutria.running.engine import open_engine
     from elutria.running.results import Results
     from elutria.running.sweep import plan, run_sweep
-    from elutria.running.worker import local_executor
 
     source = Case(case)
     if points is not None and (velocity is not None or vary):
@@ -166,10 +169,17 @@ def sweep(
     _refuse_overlap(source.path, folder)
     members = plan(source, folder, wanted, replicates, set_ or [])
     results = Results(source, folder, set_ or [])
-    jobs = _jobs(jobs, np)
     asked = None if precision is None else Precision(precision, most_runs)
-    with _SweepDisplay(len(members)) as display, local_executor(jobs) as executor:
-        result = run_sweep(results, members, executor, np, display, asked)
+    with (
+        open_engine(engine, jobs, np, (source.path, folder), _say) as executor,
+        _SweepDisplay(len(members)) as display,
+    ):
+        try:
+            result = run_sweep(results, members, executor, np, display, asked)
+        except KeyboardInterrupt:
+            done = sum(len(runs) for runs in results.finished().values())
+            _say(f"{done} of {len(members)} runs are finished; their tables are in {folder}")
+            raise
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     _show(result.tables, wide)
@@ -331,13 +341,6 @@ def vtk(
 
     for path in write_vtk(case, to or case / "VTK"):
         console.print(str(path), highlight=False, soft_wrap=True)
-
-
-def _jobs(jobs: int, np: int) -> int:
-    """Runs at a time, as --jobs asks."""
-    if jobs < 0:
-        raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
-    return jobs or max(1, len(os.sched_getaffinity(0)) // np)
 
 
 def _refuse_overlap(case: Path, folder: Path) -> None:

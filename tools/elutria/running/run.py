@@ -42,6 +42,10 @@ PLAN = "postProcessing/plan.json"
 LOG = f"log.{SOLVER}"
 
 
+class LockedError(ElutriaError):
+    """Another process runs in the folder."""
+
+
 @dataclass(frozen=True)
 class Goal:
     """When the run in `folder` is done: all are fed and none is inside, or the latest time."""
@@ -272,7 +276,7 @@ def _lock(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise ElutriaError(
+            raise LockedError(
                 f"{folder}: locked by another elutria; wait for its end, or choose another --to"
             ) from error
         yield

@@ -11,7 +11,7 @@ nearby, always the same one, as it has settled there.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -20,13 +20,13 @@ from elutria.case.case import SEED, Case, Setting
 from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
 from elutria.classification.precision import Precision
-from elutria.errors import ElutriaError, InputError
+from elutria.errors import InputError, one_line
 from elutria.files import writing_to
 from elutria.running.axes import Point, seed_of
 from elutria.running.gas import require_acting_velocity
 from elutria.running.results import Results
 from elutria.running.run import is_finished, wall_time
-from elutria.running.worker import EVERY, Job, perform
+from elutria.running.worker import EVERY, Asking, Job, asking, perform
 from elutria.warned import Warned
 
 
@@ -131,8 +131,13 @@ def run_sweep(
     finished = [is_finished(m.folder, case.fingerprint(m.settings, np)) for m in members]
     if not all(finished):
         require_acting_velocity(case, [(m.point.velocity, m.settings) for m in members])
-    course = _Course(case, np, list(members), precision, result)
-    _work_off(course, executor, watcher)
+    try:
+        with asking(results.folder) as asked:
+            course = _Course(case, np, list(members), precision, result, asked)
+            _work_off(course, executor, watcher)
+    except KeyboardInterrupt:
+        results.write_tables(result.failures)
+        raise
     result.tables, unreadable, result.warnings = results.write_tables(result.failures)
     result.failures |= unreadable
     return result
@@ -144,7 +149,7 @@ def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
     A run is handed over once the gas that it starts from has settled, or never will.
     """
     waiting = course.not_finished(course.members)
-    active: dict[Future[None], tuple[Member, Job]] = {}
+    active: dict[Future[str | None], tuple[Member, Job]] = {}
     watcher.planned(len(course.members))
     while waiting or active:
         unsettled = {member.folder for member in waiting}
@@ -170,12 +175,14 @@ def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
             watcher.planned(len(course.members))
 
 
-def _failure(future: Future[None]) -> str | None:
+def _failure(future: Future[str | None]) -> str | None:
     """Why a job failed, also when it is the executor that failed it; None when it did not."""
-    error = future.exception()
-    if error is None:
-        return None
-    return str(error) if isinstance(error, ElutriaError) else f"{type(error).__name__}: {error}"
+    try:
+        return future.result()
+    except CancelledError:
+        return "given up by the engine"
+    except Exception as error:
+        return one_line(str(error) or type(error).__name__, 400)
 
 
 class _Course:
@@ -188,20 +195,23 @@ class _Course:
         members: list[Member],
         precision: Precision | None,
         result: SweepResult,
+        asked: Asking,
     ):
         self.case = case
         self.np = np
         self.members = members
         self.precision = precision
         self.result = result
+        self.asked = asked
         self.running: set[str] = set()
 
     def job(self, member: Member) -> Job:
         """A run as the executor gets it."""
         case = self.case.path.resolve()
         return Job(
-            case, member.folder, member.settings, self.np, member.neighbour, member.replicate
-        )
+            case, member.folder, member.settings, self.np, member.neighbour, member.replicate,
+            self.asked,
+        )  # fmt: skip
 
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""
