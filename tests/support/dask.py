@@ -49,7 +49,9 @@ def dask(
         yield f"dask:{file}", started
 
 
-def _started(command: list[str], log: Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+def _started(
+    command: list[str], log: Path, environment: Mapping[str, str]
+) -> subprocess.Popen[bytes]:
     with log.open("w") as output:
         return subprocess.Popen(
             command, stdout=output, stderr=output, env={**os.environ, **environment}

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -19,6 +20,7 @@ from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
     from elutria.classification.classify import Classification, Row
+    from elutria.estimates.price import Price
     from elutria.running.solver import Step
     from elutria.warned import Warned
 
@@ -69,12 +71,15 @@ def check(case: CaseArgument) -> None:
     from elutria.case.case import Case
     from elutria.estimates.check import check_text, report
     from elutria.output.terminal import print_table
+    from elutria.running import costs
     from elutria.running.run import ask_plan
 
     source = Case(case)
     check_text(source)
-    for table in report(source, ask_plan(source)):
+    solvers = ask_plan(source)
+    for table in report(source, solvers):
         print_table(console, table)
+    _say(f"expected of {costs.in_words(costs.expected([solvers])[0], 1)}")
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")
@@ -143,6 +148,10 @@ def sweep(
         typer.Option(help="Replicates until the 95 % interval of d50 is +- this share of it."),
     ] = None,
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
+    budget: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Replicates for so much processor time: 10min, 2h."),
+    ] = None,
     engine: Annotated[
         str,
         typer.Option(metavar="local|dask:ADDRESS|slurm[:OPTIONS]", help="Where the runs are done."),
@@ -154,8 +163,10 @@ def sweep(
     never run again; the tables hold all runs of the folder."""
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
+    from elutria.running import costs
     from elutria.running.axes import grid, read_points
-    from elutria.running.engine import open_engine
+    from elutria.running.budget import parse_budget
+    from elutria.running.engine import open_engine, slots
     from elutria.running.results import Results
     from elutria.running.sweep import plan, run_sweep
 
@@ -169,19 +180,24 @@ def sweep(
     _refuse_overlap(source.path, folder)
     members = plan(source, folder, wanted, replicates, set_ or [])
     results = Results(source, folder, set_ or [])
+    if precision is not None and budget is not None:
+        raise InputError(f"--budget {budget}: allowed: either it, or --precision")
     asked = None if precision is None else Precision(precision, most_runs)
+    goal = asked if budget is None else parse_budget(budget)
     with (
         open_engine(engine, jobs, np, (source.path, folder), _say) as executor,
-        _SweepDisplay(len(members)) as display,
+        _SweepDisplay(len(members), slots(engine, jobs, np)) as display,
     ):
         try:
-            result = run_sweep(results, members, executor, np, display, asked)
+            result = run_sweep(results, members, executor, np, display, goal)
         except KeyboardInterrupt:
             done = sum(len(runs) for runs in results.finished().values())
             _say(f"{done} of {len(members)} runs are finished; their tables are in {folder}")
             raise
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
+    if result.ran:
+        _say(f"spent by {costs.in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
     _show(result.tables, wide)
     _warn(result.warnings)
     for name in result.imprecise:
@@ -220,7 +236,7 @@ def find(
     source = Case(case)
     folder = (to or Path("results") / source.name).resolve()
     _refuse_overlap(source.path, folder)
-    with _SweepDisplay(1) as display:
+    with _SweepDisplay(1, 1) as display:
         lines, tables = answer(
             source, folder, (d50, material, vary, most_runs), set_ or [], np, display
         )
@@ -418,12 +434,14 @@ def _json(value: Any) -> Any:
 class _SweepDisplay:
     """Shows a sweep: a bar per running velocity and one for all of it."""
 
-    def __init__(self, runs: int):
+    def __init__(self, runs: int, at_once: int):
         from elutria.running.progress import ProgressDisplay
 
         self.display = ProgressDisplay(console, every=10.0)
         self.shares: dict[str, float] = {}
         self.runs = runs
+        self.at_once = at_once
+        self.began = monotonic()
 
     def __enter__(self) -> _SweepDisplay:
         self.display.__enter__()
@@ -435,16 +453,28 @@ class _SweepDisplay:
     def progress(self, name: str, share: float, note: str) -> None:
         self.shares[name] = share
         self.display.update(name, share, note)
-        self.display.update("all", sum(self.shares.values()) / self.runs)
+        self._all()
+
+    def _all(self) -> None:
+        from elutria.running.costs import duration
+
+        share, gone = sum(self.shares.values()) / self.runs, monotonic() - self.began
+        left = f"{duration(gone * (1 - share) / share)} left" if share > 0.02 else ""
+        self.display.update("all", share, left)
 
     def planned(self, runs: int) -> None:
         self.runs = runs
+
+    def expected(self, cost: Price) -> None:
+        from elutria.running.costs import in_words
+
+        self.display.say(f"expected of {in_words(cost, self.at_once)}")
 
     def finished(self, name: str, line: str) -> None:
         self.shares[name] = 1.0
         self.display.close(name)
         self.display.say(f"{name}: {line}")
-        self.display.update("all", sum(self.shares.values()) / self.runs)
+        self._all()
 
 
 def _add_commands() -> None:

@@ -28,7 +28,7 @@ def command(case: Path, to: Path, engine: str, *words: str) -> list[str]:
 
 def sweep(case: Path, to: Path, engine: str, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        command(case, to, engine, *words), capture_output=True, text=True, check=False, timeout=300
+        command(case, to, engine, *words), capture_output=True, text=True, check=False, timeout=600
     )
 
 
@@ -46,7 +46,7 @@ def starts(file: Path) -> int:
     return len(file.read_text().splitlines()) if file.exists() else 0
 
 
-def wait_for(what: Path, seconds: float = 60) -> None:
+def wait_for(what: Path, seconds: float = 300) -> None:
     end = time.monotonic() + seconds
     while not what.exists():
         assert time.monotonic() < end, f"{what} does not come"
@@ -60,9 +60,7 @@ def alive(folder: Path) -> list[str]:
 
 
 @pytest.fixture
-def slurm_conf(
-    tmp_path: Path, fake_solver: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Path]:
+def slurm_conf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     pytest.importorskip("submitit", reason="pip install -r tools/requirements-cluster.lock")
     slurm.need()
     with slurm.slurm(tmp_path / "slurm") as conf:
@@ -86,6 +84,7 @@ def test_dask_makes_the_tables_of_the_local_sweep(column: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("fake_solver")
 def test_slurm_makes_the_tables_of_the_local_sweep(
     column: Path, tmp_path: Path, slurm_conf: Path
 ) -> None:
@@ -110,7 +109,7 @@ def test_the_runs_of_a_killed_worker_go_on_elsewhere(
         wait_for(to / "U4/progress.txt")
         wait_for(to / "U5/progress.txt")
         workers[0].send_signal(signal.SIGKILL)
-        assert process.wait(200) == 0
+        assert process.wait(500) == 0
     assert starts(fake_solver) == 4
     assert len(list(to.glob("U*/log.elutriaFoam.1"))) == 1, "one run goes on after its worker"
     monkeypatch.setenv("FAKE_SLEEP", "0")
@@ -161,15 +160,15 @@ def test_who_interrupts_a_sweep_ends_its_runs_everywhere(
     to = tmp_path / "there"
     with dask.dask(tmp_path / "dask") as (engine, _):
         assert sweep(column, to, engine, "--velocity", "4").returncode == 0
-        monkeypatch.setenv("FAKE_SLEEP", "60")
+        monkeypatch.setenv("FAKE_SLEEP", "200")
     with dask.dask(tmp_path / "slow") as (engine, _):
         process = subprocess.Popen(
             command(column, to, engine, "--velocity", "4:6:3"),
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         )  # fmt: skip
-        wait_for(to / "U6/progress.txt")
+        wait_for(to / "U6/0.5/seed")
         process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=60)[0]
+        said = process.communicate(timeout=300)[0]
         assert process.returncode == 1
         assert "interrupted; the same command goes on" in said
         assert "1 of 3 runs are finished" in said
@@ -183,8 +182,9 @@ def test_who_interrupts_a_sweep_ends_its_runs_everywhere(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("fake_solver", "slurm_conf")
 def test_a_job_that_slurm_ends_is_one_line_and_the_others_go_on(
-    column: Path, tmp_path: Path, slurm_conf: Path, monkeypatch: pytest.MonkeyPatch
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FAKE_SLEEP", "8")
     to = tmp_path / "there"
@@ -196,7 +196,7 @@ def test_a_job_that_slurm_ends_is_one_line_and_the_others_go_on(
     jobs = subprocess.run(["squeue", "-h", "-r", "-o", "%i"], capture_output=True, text=True,
                           check=True).stdout.split()  # fmt: skip
     subprocess.run(["scancel", min(jobs)], check=True)
-    said = process.communicate(timeout=200)[0]
+    said = process.communicate(timeout=500)[0]
     assert process.returncode == 1
     assert "1 of 3 runs failed" in said
     assert len([line for line in said.splitlines() if line.startswith("4 m/s:")]) >= 1
@@ -238,7 +238,7 @@ def test_an_engine_that_does_not_answer_is_one_line(column: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("slurm_conf")
+@pytest.mark.usefixtures("fake_solver", "slurm_conf")
 def test_what_slurm_refuses_is_one_line(column: Path, tmp_path: Path) -> None:
     done = sweep(column, tmp_path / "there", "slurm:partition=nowhere", "--velocity", "4")
     assert done.returncode == 2

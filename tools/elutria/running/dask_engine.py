@@ -28,13 +28,14 @@ def dask_executor(
     slots a job. A job of a worker that is lost is begun again by another one."""
     name = f"--engine dask:{one_line(address, 80)}"
     try:
-        from distributed import Client
+        import distributed
     except ImportError:
         raise InputError(f"{name}: dask.distributed is not installed; allowed: {EXTRA}") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it is told in one line
     place = {"scheduler_file" if address.endswith(".json") else "address": address}
+    connect: Any = distributed.Client
     try:
-        client = Client(**place, timeout=ANSWER_WITHIN, set_as_default=False)
+        client = connect(**place, timeout=ANSWER_WITHIN, set_as_default=False)
     except Exception as error:
         raise InputError(
             f"{name}: no scheduler answers ({_reason(error)}); allowed: the address that "

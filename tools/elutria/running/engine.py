@@ -28,6 +28,13 @@ def local_executor(jobs: int) -> Iterator[Executor]:
         executor.shutdown(cancel_futures=True)
 
 
+def slots(text: str, jobs: int, np: int) -> int:
+    """How many runs an engine is thought to do at a time; many, where nothing says it."""
+    if jobs:
+        return jobs
+    return max(1, len(os.sched_getaffinity(0)) // np) if text == "local" else 1000
+
+
 def open_engine(
     text: str, jobs: int, np: int, folders: tuple[Path, Path], say: Callable[[str], None]
 ) -> AbstractContextManager[Executor]:
@@ -39,7 +46,7 @@ def open_engine(
     if jobs < 0:
         raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all there are")
     if text == "local":
-        return local_executor(jobs or max(1, len(os.sched_getaffinity(0)) // np))
+        return local_executor(slots(text, jobs, np))
     if kind == "dask" and rest:
         from elutria.running.dask_engine import dask_executor
 

@@ -19,6 +19,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from socket import gethostname
 from typing import TYPE_CHECKING
@@ -26,6 +27,7 @@ from typing import TYPE_CHECKING
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError
 from elutria.files import writing_to
+from elutria.running.costs import duration
 from elutria.running.run import LockedError, run_case
 
 if TYPE_CHECKING:
@@ -205,7 +207,8 @@ def _run(job: Job, on_step: Callable[[float, Step], None]) -> None:
 def note(step: Step) -> str:
     """The solver's numbers, short."""
     left = " ".join(f"{product} {number}" for product, number in step.left.items())
-    return f"{left} inside {step.inside}"
+    ends = f", {duration(step.ends_in_s)} left" if isfinite(step.ends_in_s) else ""
+    return f"{left} inside {step.inside}{ends}"
 
 
 if __name__ == "__main__":

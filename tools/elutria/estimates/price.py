@@ -1,0 +1,182 @@
+"""What a run will cost: processor time, memory and disk, from the solver's plan of it.
+
+The work is counted in cells and parcels that are dealt with; what each of them takes was measured
+(`elutria bench price`), on a machine whose speed is known by `machine.probe`. Runs of the same mesh
+that were made on this machine correct the count: the nearer they are, the more they say.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import exp, inf, log
+from typing import Any
+
+PASSAGES = 12.0
+"""Passages of the gas through the mesh in which a column empties after its feed."""
+STAY = 3.0
+"""Passages of the gas in which a parcel leaves."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a run has to do: how often a cell's gas settles, and is solved later; how often a parcel
+    is moved; its collisions; parcels in all; cells times written times."""
+
+    settled: float
+    solved: float
+    moved: float
+    collided: float
+    parcels: float
+    written: float
+
+
+@dataclass(frozen=True)
+class Price:
+    """Of one run, or of several: processor s, the time of the longest (s), memory and disk (MB)."""
+
+    processor_s: float
+    longest_s: float
+    memory_mb: float
+    disk_mb: float
+    runs: int = 1
+
+    def __add__(self, other: Price) -> Price:
+        return Price(
+            self.processor_s + other.processor_s,
+            max(self.longest_s, other.longest_s),
+            max(self.memory_mb, other.memory_mb),
+            self.disk_mb + other.disk_mb,
+            self.runs + other.runs,
+        )
+
+    def wall_s(self, at_once: int) -> float:
+        """Time that the runs take, so many of them at a time (s)."""
+        at_once = max(1, min(at_once, self.runs))
+        return max(self.longest_s, self.processor_s / at_once)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Processor seconds of each part of the work (on the machine of `machine.REFERENCE_S`), of the
+    start and end of a run; bytes of memory and of disk."""
+
+    start: float = 4.0
+    settled: float = 1e-3
+    solved: float = 1e-5
+    moved: float = 2e-6
+    collided: float = 1e-5
+    parcels: float = 1e-4
+
+
+RATES = Rates()
+
+
+def work(plan: Mapping[str, Any]) -> Work:
+    """Counted from a plan: see docs/user/outputs.md."""
+    gas, feed, expected, step = plan["gas"], plan["feed"], plan["expected"], plan["step"]
+    cells = float(plan["mesh"]["cells"])
+    parcels = float(feed["parcels"] or 0.0)
+    through = gas["through_time_s"] or 0.0
+    feeding = feed["end_s"] - feed["start_s"]
+    lasts = feeding + min(feed["run_ends_s"] - feed["end_s"], PASSAGES * through)
+    steps = lasts / _step(step)
+    rests = (expected["gas_change"] or 0.0) < gas["changes_at"]
+    return Work(
+        settled=cells,
+        solved=0.0 if rests else cells * steps,
+        moved=parcels * max(1.0, STAY * through / _step(step)),
+        collided=parcels * (expected["collisions"] or 0.0),
+        parcels=parcels,
+        written=cells,
+    )
+
+
+def _step(step: Mapping[str, Any]) -> float:
+    """The time step (s) that a run settles to."""
+    first: float = step["first_s"]
+    if step["adjusts"] and step["courant"] and step["largest_courant"]:
+        first *= step["largest_courant"] / step["courant"]
+    return min(first, step["largest_by_collisions_s"] or inf)
+
+
+def model(done: Work, rates: Rates = RATES) -> float:
+    """Processor seconds on the reference machine."""
+    return (
+        rates.start
+        + rates.settled * done.settled
+        + rates.solved * done.solved
+        + rates.moved * done.moved
+        + rates.collided * done.collided
+        + rates.parcels * done.parcels
+    )
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What a finished run came to, and what was counted of it: `key` tells its mesh."""
+
+    key: str
+    gas_velocity_m_s: float
+    loading: float
+    parcels: float
+    model_s: float
+    processor_s: float
+    memory_mb: float
+    disk_mb: float
+
+
+def mesh_key(plan: Mapping[str, Any]) -> str:
+    """Tells runs on one mesh, with the same forces, from others."""
+    known = json.dumps([plan["mesh"], plan["drag"]["forces"]], sort_keys=True)
+    return hashlib.sha256(known.encode()).hexdigest()[:16]
+
+
+def spent(plan: Mapping[str, Any], processor_s: float, memory_mb: float, disk_mb: float) -> Spent:
+    """Of a finished run with this plan."""
+    return Spent(
+        mesh_key(plan),
+        plan["gas"]["superficial_m_s"] or 0.0,
+        plan["expected"]["loading"] or 0.0,
+        plan["feed"]["parcels"] or 0.0,
+        model(work(plan)),
+        processor_s,
+        memory_mb,
+        disk_mb,
+    )
+
+
+def price(plan: Mapping[str, Any], slowness: float, finished: Iterable[Spent] = ()) -> Price:
+    """Of a run with this plan, on a machine that takes `slowness` times the reference's time;
+    `finished` are runs on this machine, of any case."""
+    asked = spent(plan, 0.0, 0.0, 0.0)
+    near = [(_nearness(asked, run), run) for run in finished if run.key == asked.key]
+    seconds = slowness * asked.model_s
+    memory = 120.0 + 4e-3 * plan["mesh"]["cells"] + 3e-3 * asked.parcels
+    disk = 2.0 + 1.2e-3 * plan["mesh"]["cells"] + 0.4e-3 * asked.parcels
+    if near:
+        seconds = asked.model_s * _mean(
+            (nearness, run.processor_s / run.model_s) for nearness, run in near
+        )
+        memory = _mean((nearness, run.memory_mb) for nearness, run in near)
+        disk = _mean((nearness, run.disk_mb) for nearness, run in near)
+    return Price(seconds, seconds, memory, disk)
+
+
+def _nearness(one: Spent, other: Spent) -> float:
+    """Weight of a run for the price of another: falls with the ratios of their settings."""
+    ratios = (
+        log(max(one.gas_velocity_m_s, 1e-6) / max(other.gas_velocity_m_s, 1e-6)),
+        log((one.loading + 0.01) / (other.loading + 0.01)),
+        log((one.parcels + 1) / (other.parcels + 1)),
+    )
+    return 1.0 / (0.01 + sum(ratio**2 for ratio in ratios))
+
+
+def _mean(weighted: Iterable[tuple[float, float]]) -> float:
+    """The weighted geometric mean."""
+    pairs = [(weight, log(value)) for weight, value in weighted if value > 0]
+    total = sum(weight for weight, _ in pairs)
+    return exp(sum(weight * value for weight, value in pairs) / total) if total else 0.0
