@@ -6,7 +6,6 @@ import json
 import sys
 import traceback
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
 from time import monotonic
@@ -68,18 +67,30 @@ def options() -> None:
 @app.command(epilog="Example: elutria check cases/column")
 def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
-    from elutria.case.case import Case
-    from elutria.estimates.check import check_text, report
+    from elutria.estimates import kept, machine
+    from elutria.estimates.check import report
+    from elutria.estimates.price import in_words
     from elutria.output.terminal import print_table
-    from elutria.running import costs
+
+    known = kept.read(key := kept.key(case, "elutriaFoam"))
+    if known is None:
+        known = _asked(case)
+        kept.keep(key, known)
+    solvers = known["plan"]
+    for table in report(case.resolve().name, known["velocity"], solvers):
+        print_table(console, table)
+    _say(f"expected of {in_words(machine.expected([solvers])[0], 1)}")
+
+
+def _asked(case: Path) -> dict[str, Any]:
+    """A case's gas velocity and the solver's plan of it. Raises InputError for what is wrong."""
+    from elutria.case.case import Case
+    from elutria.estimates.check import check_text
     from elutria.running.run import ask_plan
 
     source = Case(case)
     check_text(source)
-    solvers = ask_plan(source)
-    for table in report(source, solvers):
-        print_table(console, table)
-    _say(f"expected of {costs.in_words(costs.expected([solvers])[0], 1)}")
+    return {"velocity": source.velocity(), "plan": ask_plan(source)}
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")
@@ -163,6 +174,7 @@ def sweep(
     never run again; the tables hold all runs of the folder."""
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
+    from elutria.estimates.price import in_words
     from elutria.running import costs
     from elutria.running.axes import grid, read_points
     from elutria.running.budget import parse_budget
@@ -197,7 +209,7 @@ def sweep(
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     if result.ran:
-        _say(f"spent by {costs.in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
+        _say(f"spent by {in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
     _show(result.tables, wide)
     _warn(result.warnings)
     for name in result.imprecise:
@@ -456,7 +468,7 @@ class _SweepDisplay:
         self._all()
 
     def _all(self) -> None:
-        from elutria.running.costs import duration
+        from elutria.estimates.price import duration
 
         share, gone = sum(self.shares.values()) / self.runs, monotonic() - self.began
         left = f"{duration(gone * (1 - share) / share)} left" if share > 0.02 else ""
@@ -466,7 +478,7 @@ class _SweepDisplay:
         self.runs = runs
 
     def expected(self, cost: Price) -> None:
-        from elutria.running.costs import in_words
+        from elutria.estimates.price import in_words
 
         self.display.say(f"expected of {in_words(cost, self.at_once)}")
 
@@ -479,7 +491,13 @@ class _SweepDisplay:
 
 def _add_commands() -> None:
     """The commands of other packages (entry points `elutria.commands`); bench and verify say where
-    they come from while that package is not installed."""
+    they come from while that package is not installed. They are not looked for where a command of
+    this package is called: that would take a quarter of its start."""
+    own = {command.callback.__name__ for command in app.registered_commands if command.callback}
+    if own & set(sys.argv[1:2]) and not {"-h", "--help"} & set(sys.argv):
+        return
+    from importlib.metadata import entry_points
+
     for point in entry_points(group="elutria.commands"):
         point.load()(app)
     known = {command.callback.__name__ for command in app.registered_commands if command.callback}

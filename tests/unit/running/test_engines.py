@@ -163,7 +163,8 @@ def test_who_interrupts_a_sweep_ends_its_runs_everywhere(
         monkeypatch.setenv("FAKE_SLEEP", "200")
     with dask.dask(tmp_path / "slow") as (engine, _):
         process = subprocess.Popen(
-            command(column, to, engine, "--velocity", "4:6:3"),
+            # a test that was started in the background ignores it otherwise
+            ["env", "--default-signal=INT", *command(column, to, engine, "--velocity", "4:6:3")],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         )  # fmt: skip
         wait_for(to / "U6/0.5/seed")

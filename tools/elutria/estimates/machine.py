@@ -7,13 +7,14 @@ import json
 import os
 import platform
 import resource
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, fields
 from pathlib import Path
 from time import process_time
+from typing import Any
 
-from elutria.estimates.price import Spent
+from elutria.estimates.price import Price, Spent, price
 
 REFERENCE_S = 0.1
 """Processor seconds of the probe's work on the machine on which the rates were measured."""
@@ -104,3 +105,9 @@ def finished() -> list[Spent]:
                 content = json.loads(line)
                 found.append(Spent(**{name: content[name] for name in names}))
     return found
+
+
+def expected(plans: Sequence[Mapping[str, Any]]) -> list[Price]:
+    """What a run with each of the plans is expected to cost on this machine."""
+    slow, known = slowness(), finished()
+    return [price(plan, slow, known) for plan in plans]

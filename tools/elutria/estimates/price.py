@@ -10,27 +10,27 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from math import exp, inf, log
+from dataclasses import dataclass, fields
+from math import exp, inf, isfinite, log
 from typing import Any
 
-PASSAGES = 12.0
-"""Passages of the gas through the mesh in which a column empties after its feed."""
-STAY = 3.0
-"""Passages of the gas in which a parcel leaves."""
+STAY = 8.0
+"""Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""
+SOLVED = 0.03
+"""Share of the steps in which the gas is solved, where particles change it by `gasTolerance`."""
 
 
 @dataclass(frozen=True)
 class Work:
-    """What a run has to do: how often a cell's gas settles, and is solved later; how often a parcel
-    is moved; its collisions; parcels in all; cells times written times."""
+    """What a run has to do: cells whose gas settles, and times that a cell's gas is solved later;
+    time steps; times that a parcel is moved; collisions; parcels."""
 
     settled: float
     solved: float
+    steps: float
     moved: float
     collided: float
     parcels: float
-    written: float
 
 
 @dataclass(frozen=True)
@@ -60,15 +60,16 @@ class Price:
 
 @dataclass(frozen=True)
 class Rates:
-    """Processor seconds of each part of the work (on the machine of `machine.REFERENCE_S`), of the
-    start and end of a run; bytes of memory and of disk."""
+    """Processor seconds of a run's start and end, and of each part of the work, on the machine of
+    `machine.REFERENCE_S`."""
 
-    start: float = 4.0
-    settled: float = 1e-3
-    solved: float = 1e-5
-    moved: float = 2e-6
-    collided: float = 1e-5
-    parcels: float = 1e-4
+    start: float = 2.0
+    settled: float = 3e-4
+    solved: float = 6.5e-6
+    steps: float = 7e-4
+    moved: float = 1.6e-5
+    collided: float = 1e-4
+    parcels: float = 2e-4
 
 
 RATES = Rates()
@@ -76,21 +77,21 @@ RATES = Rates()
 
 def work(plan: Mapping[str, Any]) -> Work:
     """Counted from a plan: see docs/user/outputs.md."""
-    gas, feed, expected, step = plan["gas"], plan["feed"], plan["expected"], plan["step"]
-    cells = float(plan["mesh"]["cells"])
+    gas, feed, expected = plan["gas"], plan["feed"], plan["expected"]
+    cells, step = float(plan["mesh"]["cells"]), _step(plan["step"])
     parcels = float(feed["parcels"] or 0.0)
-    through = gas["through_time_s"] or 0.0
-    feeding = feed["end_s"] - feed["start_s"]
-    lasts = feeding + min(feed["run_ends_s"] - feed["end_s"], PASSAGES * through)
-    steps = lasts / _step(step)
-    rests = (expected["gas_change"] or 0.0) < gas["changes_at"]
+    stay = STAY * (gas["through_time_s"] or 0.0)
+    lasts = feed["run_ends_s"] - feed["start_s"]
+    busy = min(feed["end_s"] - feed["start_s"] + stay, lasts)
+    change = (expected["gas_change"] or 0.0) / gas["changes_at"]
+    solves = 0.0 if change < 1 else busy / step * min(1.0, SOLVED * change)
     return Work(
         settled=cells,
-        solved=0.0 if rests else cells * steps,
-        moved=parcels * max(1.0, STAY * through / _step(step)),
+        solved=cells * solves,
+        steps=lasts / step,
+        moved=parcels * max(1.0, stay / step),
         collided=parcels * (expected["collisions"] or 0.0),
         parcels=parcels,
-        written=cells,
     )
 
 
@@ -104,14 +105,8 @@ def _step(step: Mapping[str, Any]) -> float:
 
 def model(done: Work, rates: Rates = RATES) -> float:
     """Processor seconds on the reference machine."""
-    return (
-        rates.start
-        + rates.settled * done.settled
-        + rates.solved * done.solved
-        + rates.moved * done.moved
-        + rates.collided * done.collided
-        + rates.parcels * done.parcels
-    )
+    names = [field.name for field in fields(Work)]
+    return rates.start + float(sum(getattr(rates, n) * getattr(done, n) for n in names))
 
 
 @dataclass(frozen=True)
@@ -180,3 +175,30 @@ def _mean(weighted: Iterable[tuple[float, float]]) -> float:
     pairs = [(weight, log(value)) for weight, value in weighted if value > 0]
     total = sum(weight for weight, _ in pairs)
     return exp(sum(weight * value for weight, value in pairs) / total) if total else 0.0
+
+
+def in_words(cost: Price, at_once: int) -> str:
+    """`12 runs: 4 min of processor, 2 min with 2 at a time, 0.5 GB of memory, 0.3 GB of disk`."""
+    runs = f"{cost.runs} run{'s' if cost.runs != 1 else ''}"
+    together = max(1, min(at_once, cost.runs))
+    wall = duration(cost.wall_s(at_once)) + (f" with {together} at a time" if together > 1 else "")
+    return (
+        f"{runs}: {duration(cost.processor_s)} of processor, {wall}, "
+        f"{amount(together * cost.memory_mb)} of memory, {amount(cost.disk_mb)} of disk"
+    )
+
+
+def duration(seconds: float) -> str:
+    """Two digits of it: `35 s`, `4.2 min`, `3.1 h`."""
+    if not isfinite(seconds):
+        return "?"
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 1.5 * size:
+            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
+    return f"{float(f'{seconds:.2g}'):g} s"
+
+
+def amount(megabytes: float) -> str:
+    """Two digits of it: `35 MB`, `1.2 GB`."""
+    value, unit = (megabytes / 1000, "GB") if megabytes >= 1000 else (megabytes, "MB")
+    return f"{float(f'{value:.2g}'):g} {unit}"

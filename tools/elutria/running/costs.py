@@ -1,18 +1,17 @@
-"""What runs are expected to cost, and what they came to, in words."""
+"""What the runs of a sweep are expected to cost, and what finished ones came to."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import reduce
-from math import isfinite
 from operator import add
 from pathlib import Path
 from typing import Any
 
 from elutria.errors import InputError
 from elutria.estimates import machine
-from elutria.estimates.price import Price, price, spent
+from elutria.estimates.price import Price, spent
 from elutria.files import read_json
 from elutria.running.marker import FINISHED
 
@@ -34,12 +33,6 @@ def learn(folder: Path, content: Mapping[str, Any]) -> None:
         plan = read_json(folder / "postProcessing/plan.json")
         paid = [float(content[name]) for name in ("processor_s", "memory_mb", "disk_mb")]
         machine.keep(spent(plan, *paid))
-
-
-def expected(plans: Sequence[Mapping[str, Any]]) -> list[Price]:
-    """Of a run with each of the plans, on this machine."""
-    slowness, finished = machine.slowness(), machine.finished()
-    return [price(plan, slowness, finished) for plan in plans]
 
 
 def chosen(count: int) -> list[int]:
@@ -76,30 +69,3 @@ def came_to(folders: Iterable[Path]) -> Price:
                 )
             )
     return total(found)
-
-
-def in_words(cost: Price, at_once: int) -> str:
-    """`12 runs: 4 min of processor, 2 min with 2 at a time, 0.5 GB of memory, 0.3 GB of disk`."""
-    runs = f"{cost.runs} run{'s' if cost.runs != 1 else ''}"
-    together = max(1, min(at_once, cost.runs))
-    wall = duration(cost.wall_s(at_once)) + (f" with {together} at a time" if together > 1 else "")
-    return (
-        f"{runs}: {duration(cost.processor_s)} of processor, {wall}, "
-        f"{amount(together * cost.memory_mb)} of memory, {amount(cost.disk_mb)} of disk"
-    )
-
-
-def duration(seconds: float) -> str:
-    """Two digits of it: `35 s`, `4.2 min`, `3.1 h`."""
-    if not isfinite(seconds):
-        return "?"
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 1.5 * size:
-            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
-    return f"{float(f'{seconds:.2g}'):g} s"
-
-
-def amount(megabytes: float) -> str:
-    """Two digits of it: `35 MB`, `1.2 GB`."""
-    value, unit = (megabytes / 1000, "GB") if megabytes >= 1000 else (megabytes, "MB")
-    return f"{float(f'{value:.2g}'):g} {unit}"

@@ -22,7 +22,8 @@ from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
 from elutria.classification.precision import Precision, d50_half_width
 from elutria.errors import InputError, one_line
-from elutria.estimates.price import Price
+from elutria.estimates import machine
+from elutria.estimates.price import Price, duration
 from elutria.files import writing_to
 from elutria.running import costs
 from elutria.running.axes import Point, seed_of
@@ -169,13 +170,13 @@ def _look_ahead(
         [(m.point.velocity, m.settings) for m in members],
         [(todo[n].point.velocity, plan) for n, plan in zip(planned, answers, strict=True)],
     )
-    cost = costs.total(costs.spread(len(todo), planned, costs.expected(answers)))
+    cost = costs.total(costs.spread(len(todo), planned, machine.expected(answers)))
     watcher.expected(cost)
     spent = costs.came_to([m.folder for m in members if m not in todo]).processor_s
     if isinstance(goal, Budget) and spent + cost.processor_s > goal.processor_s:
         raise InputError(
-            f"--budget: {costs.duration(goal.processor_s)}, but the runs asked for take "
-            f"{costs.duration(spent + cost.processor_s)} of processor; allowed: that, or fewer "
+            f"--budget: {duration(goal.processor_s)}, but the runs asked for take "
+            f"{duration(spent + cost.processor_s)} of processor; allowed: that, or fewer "
             "points or particles"
         )
 

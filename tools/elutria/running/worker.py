@@ -26,8 +26,8 @@ from typing import TYPE_CHECKING
 
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError
+from elutria.estimates.price import duration
 from elutria.files import writing_to
-from elutria.running.costs import duration
 from elutria.running.run import LockedError, run_case
 
 if TYPE_CHECKING:
