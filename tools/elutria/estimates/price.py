@@ -149,8 +149,8 @@ def price(plan: Mapping[str, Any], slowness: float, finished: Iterable[Spent] = 
     asked = spent(plan, 0.0, 0.0, 0.0)
     near = [(_nearness(asked, run), run) for run in finished if run.key == asked.key]
     seconds = slowness * asked.model_s
-    memory = 120.0 + 4e-3 * plan["mesh"]["cells"] + 3e-3 * asked.parcels
-    disk = 2.0 + 1.2e-3 * plan["mesh"]["cells"] + 0.4e-3 * asked.parcels
+    memory = 100.0 + 4e-3 * plan["mesh"]["cells"] + 1e-3 * asked.parcels
+    disk = 1.0 + 5e-4 * plan["mesh"]["cells"] + 1.5e-4 * asked.parcels + 2.3e-4 * work(plan).steps
     if near:
         seconds = asked.model_s * _mean(
             (nearness, run.processor_s / run.model_s) for nearness, run in near
