@@ -21,7 +21,6 @@ def test_a_grid_has_the_same_tables_on_all_engines(
 ) -> None:
     """4 x 3 runs of 400 parcels; `local`, `dask` and `slurm` differ in nothing but the time."""
     dask.need()
-    pytest.importorskip("submitit")
     slurm.need()
     cores = len(os.sched_getaffinity(0))
     assert sweep(column, tmp_path / "local", "local", *GRID).returncode == 0
@@ -42,7 +41,6 @@ def test_a_grid_has_the_same_tables_on_all_engines(
 def test_a_job_of_slurm_has_its_processors(
     column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("submitit")
     slurm.need()
     words = (*GRID[4:], "--velocity", "5", "--np", "2")
     assert sweep(column, tmp_path / "local", "local", *words).returncode == 0

@@ -15,10 +15,7 @@ import pytest
 
 def need() -> None:
     """Skip the test where dask.distributed is not installed."""
-    pytest.importorskip(
-        "distributed", reason="no Dask: .venv/bin/python -m pip install -r "
-        "tools/requirements-cluster.lock",
-    )  # fmt: skip
+    pytest.importorskip("distributed", reason="no Dask: etc/setup/cluster installs it")
 
 
 @contextmanager

@@ -21,6 +21,7 @@ _PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "squeue")
 
 def need() -> None:
     """Install Slurm where that is possible; the test is skipped where it is not."""
+    pytest.importorskip("submitit", reason="no submitit: etc/setup/cluster installs it")
     command = ["apt-get", "-y", "--no-install-recommends", "install", *PACKAGES]
     if _missing() and os.getuid() == 0 and shutil.which("apt-get"):
         quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive", "RUNLEVEL": "1"}

@@ -34,7 +34,6 @@ def alive(folder: Path) -> list[str]:
 
 @pytest.fixture
 def slurm_conf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    pytest.importorskip("submitit", reason="pip install -r tools/requirements-cluster.lock")
     slurm.need()
     with slurm.slurm(tmp_path / "slurm") as conf:
         monkeypatch.setenv("SLURM_CONF", str(conf))

@@ -16,7 +16,7 @@ from typing import Any
 
 from elutria.estimates.price import Price, Spent, price
 
-REFERENCE_S = 0.1
+REFERENCE_S = 0.0163
 """Processor seconds of the probe's work on the machine on which the rates were measured."""
 _KEPT = 400
 

@@ -16,7 +16,7 @@ from typing import Any
 
 STAY = 8.0
 """Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""
-SOLVED = 0.03
+SOLVED = 0.025
 """Share of the steps in which the gas is solved, where particles change it by `gasTolerance`."""
 
 
@@ -63,13 +63,13 @@ class Rates:
     """Processor seconds of a run's start and end, and of each part of the work, on the machine of
     `machine.REFERENCE_S`."""
 
-    start: float = 2.0
-    settled: float = 3e-4
-    solved: float = 6.5e-6
-    steps: float = 7e-4
-    moved: float = 1.6e-5
+    start: float = 1.2
+    settled: float = 1.7e-4
+    solved: float = 5.5e-6
+    steps: float = 9e-4
+    moved: float = 5e-6
     collided: float = 1e-4
-    parcels: float = 2e-4
+    parcels: float = 1.5e-4
 
 
 RATES = Rates()

@@ -15,7 +15,7 @@ from pathlib import Path
 from elutria.errors import InputError, one_line
 
 ALLOWED = "local, dask:ADDRESS such as dask:tcp://10.0.0.1:8786, or slurm[:OPTION=VALUE,...]"
-EXTRA = "pip install 'elutria[cluster]', or tools/requirements-cluster.lock of the clone"
+EXTRA = "after etc/setup/cluster of the clone, or pip install 'elutria[cluster]'"
 
 
 @contextmanager
