@@ -26,7 +26,9 @@ PLAN: dict[str, Any] = {
     "gas": {"superficial_m_s": 5.0, "through_time_s": 0.1, "changes_at": 0.01},
     "drag": {"forces": ["SchillerNaumannDrag"]},
     "feed": {"parcels": 5000, "start_s": 0, "end_s": 1, "run_ends_s": 7},
-    "expected": {"loading": 0.2, "gas_change": 0.03, "collisions": 0.13},
+    "expected": {
+        "loading": 0.2, "gas_change": 0.03, "collisions": 0.13, "shortest_relaxation_s": 0.15,
+    },
     "step": {
         "first_s": 0.004, "adjusts": True, "courant": 4.0, "largest_courant": 4,
         "largest_by_collisions_s": 0.03,
@@ -48,7 +50,8 @@ def test_the_work_is_counted() -> None:
     assert done.moved == pytest.approx(5000 * 0.8 / 0.004)
     assert work(plan(gas_change=0.005)).solved == 0  # the gas rests
     dense = work(plan(gas_change=0.9))
-    assert dense.solved == pytest.approx(10000 * 1.8 / 0.004)  # on every step that has parcels
+    assert dense.solved == pytest.approx(10000 * 7 / 0.004)  # on every step
+    assert work(plan(shortest_relaxation_s=0.001)).moved == pytest.approx(4 * done.moved)
 
 
 def test_more_of_anything_costs_more() -> None:

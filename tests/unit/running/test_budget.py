@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from itertools import product
 from math import inf, nan
+from pathlib import Path
 
 import pytest
 
 from elutria.errors import InputError
 from elutria.running.axes import Point
 from elutria.running.budget import Budget, Known, parse_budget
+from elutria.running.costs import came_to
+from tests.support.sweeps import sweep
 
 A, B = Point(4.0), Point(5.0)
 
@@ -58,3 +61,20 @@ def test_a_point_without_a_cut_gets_nothing_one_without_an_end_more() -> None:
     found = rounds(Budget(200), {A: Known(nan, 1, 10), B: Known(inf, 1, 10)})
     assert found == {A: 1, B: 19}
     assert rounds(Budget(15), {A: Known(0.1, 1, 10)}) == {A: 1}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("fake_solver")
+def test_a_sweep_keeps_to_its_budget_and_goes_on_with_a_larger_one(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ELUTRIA_CACHE", str(tmp_path / "cache"))
+    to = tmp_path / "results"
+    with pytest.raises(InputError, match=r"--budget: 1 s, but the runs asked for take .* allowed"):
+        sweep(column, to, "4,6", precision=Budget(1))
+    first = sweep(column, to, "4,6", precision=Budget(6))
+    spent = came_to(first.ran)
+    assert 2 < spent.runs == len(list(to.glob("U*/finished.json")))
+    assert spent.processor_s < 1.3 * 6  # the last run may take longer than those before it
+    assert not sweep(column, to, "4,6", precision=Budget(6)).ran
+    assert sweep(column, to, "4,6", precision=Budget(9)).ran

@@ -16,14 +16,18 @@ from typing import Any
 
 STAY = 8.0
 """Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""
-SOLVED = 0.025
-"""Share of the steps in which the gas is solved, where particles change it by `gasTolerance`."""
+SOLVED = 0.015
+"""Share of the steps in which the gas is solved while parcels enter and leave, where they change it
+by `gasTolerance`."""
+SOLVED_LATE = 1e-3
+"""The same while the last ones hover; it rises with the square of the change."""
 
 
 @dataclass(frozen=True)
 class Work:
     """What a run has to do: cells whose gas settles, and times that a cell's gas is solved later;
-    time steps; times that a parcel is moved; collisions; parcels."""
+    time steps; times that a parcel is moved, each as often as it relaxes in a step; collisions;
+    parcels."""
 
     settled: float
     solved: float
@@ -65,7 +69,7 @@ class Rates:
 
     start: float = 1.2
     settled: float = 1.7e-4
-    solved: float = 5.5e-6
+    solved: float = 5e-6
     steps: float = 9e-4
     moved: float = 5e-6
     collided: float = 1e-4
@@ -80,16 +84,18 @@ def work(plan: Mapping[str, Any]) -> Work:
     gas, feed, expected = plan["gas"], plan["feed"], plan["expected"]
     cells, step = float(plan["mesh"]["cells"]), _step(plan["step"])
     parcels = float(feed["parcels"] or 0.0)
-    stay = STAY * (gas["through_time_s"] or 0.0)
     lasts = feed["run_ends_s"] - feed["start_s"]
+    stay = min(STAY * (gas["through_time_s"] or 0.0), lasts)
     busy = min(feed["end_s"] - feed["start_s"] + stay, lasts)
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
-    solves = 0.0 if change < 1 else busy / step * min(1.0, SOLVED * change)
+    late = lasts - busy
+    solves = busy * min(1.0, SOLVED * change) + late * min(1.0, SOLVED_LATE * change**2)
+    stiff = max(1.0, step / (expected["shortest_relaxation_s"] or step))
     return Work(
         settled=cells,
-        solved=cells * solves,
+        solved=cells * solves / step if change >= 1 else 0.0,
         steps=lasts / step,
-        moved=parcels * max(1.0, stay / step),
+        moved=parcels * max(1.0, stay / step) * stiff,
         collided=parcels * (expected["collisions"] or 0.0),
         parcels=parcels,
     )
@@ -99,7 +105,7 @@ def _step(step: Mapping[str, Any]) -> float:
     """The time step (s) that a run settles to."""
     first: float = step["first_s"]
     if step["adjusts"] and step["courant"] and step["largest_courant"]:
-        first *= step["largest_courant"] / step["courant"]
+        first *= min(1.0, step["largest_courant"] / step["courant"])
     return min(first, step["largest_by_collisions_s"] or inf)
 
 

@@ -21,7 +21,7 @@ from elutria.case.case import SEED, Case, Setting
 from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
 from elutria.classification.precision import Precision, d50_half_width
-from elutria.errors import InputError, one_line
+from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates import machine
 from elutria.estimates.price import Price, duration
 from elutria.files import writing_to
@@ -220,8 +220,10 @@ def _failure(future: Future[str | None]) -> str | None:
         return future.result()
     except CancelledError:
         return "given up by the engine"
+    except ElutriaError as error:
+        return str(error)
     except Exception as error:
-        return one_line(str(error) or type(error).__name__, 400)
+        return one_line(f"{type(error).__name__}: {error}", 400)
 
 
 class _Course:
@@ -259,7 +261,10 @@ class _Course:
         self.result.skipped += len(complete)
         todo = [member for member in members if member not in complete]
         self.running |= {member.name for member in todo}
-        for point in dict.fromkeys(member.point for member in complete):
+        points = list(dict.fromkeys(member.point for member in complete))
+        if isinstance(self.goal, Budget):
+            points = points[:1]  # it looks at all of them
+        for point in points:
             todo += self._further(point)
         return todo
 
@@ -283,7 +288,7 @@ class _Course:
         count = self.goal.further_runs(run, len(group))
         if count == 0:
             self.result.imprecise.append(point.title)
-        return self._add(group, count or 0)
+        return self.not_finished(self._add(group, count or 0))
 
     def _within(self, budget: Budget) -> list[Member]:
         """What a budget allows, once nothing runs any more."""
@@ -299,7 +304,8 @@ class _Course:
                     each = costs.came_to(folders).processor_s / len(folders)
                     known[point] = Known(width, len(folders), each)
         further = budget.further_runs(known)
-        return [m for point, count in further.items() for m in self._add(self._group(point), count)]
+        added = [self._add(self._group(point), count) for point, count in further.items()]
+        return self.not_finished([member for members in added for member in members])
 
     def _group(self, point: Point) -> list[Member]:
         return [member for member in self.members if member.point == point]
@@ -308,8 +314,8 @@ class _Course:
         return not any(m.name in self.running or m.name in self.result.failures for m in group)
 
     def _add(self, group: list[Member], count: int) -> list[Member]:
-        """So many more replicates of a point; those of them that are to be run."""
+        """So many more replicates of a point."""
         first = len(group) + 1
         further = [_replicate(self.case, group[0], first + k) for k in range(count)]
         self.members += further
-        return self.not_finished(further)
+        return further
