@@ -19,8 +19,8 @@ STAY = 8.0
 SOLVED = 0.015
 """Share of the steps in which the gas is solved while parcels enter and leave, where they change it
 by `gasTolerance`."""
-SOLVED_LATE = 1e-3
-"""The same while the last ones hover; it rises with the square of the change."""
+SOLVED_LATE, MOST_LATE = 1e-3, 0.7
+"""The same while the last ones hover; it rises with the square of the change, up to this share."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def work(plan: Mapping[str, Any]) -> Work:
     busy = min(feed["end_s"] - feed["start_s"] + stay, lasts)
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
     late = lasts - busy
-    solves = busy * min(1.0, SOLVED * change) + late * min(1.0, SOLVED_LATE * change**2)
+    solves = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
     stiff = max(1.0, step / (expected["shortest_relaxation_s"] or step))
     return Work(
         settled=cells,
