@@ -137,6 +137,18 @@ def test_runs_are_remembered_and_a_spoilt_line_is_passed_over(cache: Path) -> No
     assert machine.finished() == [run, run]
 
 
+@pytest.mark.usefixtures("cache")
+def test_runs_made_here_say_more_than_delivered_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "slowness", lambda: 3.0)
+    once, thrice = machine.delivered(1.0), machine.delivered(3.0)
+    assert once
+    assert [run.processor_s for run in thrice] == pytest.approx([3 * r.processor_s for r in once])
+    monkeypatch.setattr(machine, "delivered", lambda _: [spent(PLAN, 500.0, 1, 1)])
+    assert machine.expected([PLAN])[0].processor_s == pytest.approx(500)
+    machine.keep(spent(PLAN, 20.0, 1, 1))
+    assert machine.expected([PLAN])[0].processor_s == pytest.approx(20)
+
+
 def test_a_cache_that_cannot_be_written_is_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

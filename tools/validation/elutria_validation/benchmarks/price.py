@@ -1,14 +1,17 @@
 """What runs are expected to cost beside what they came to: the delivered cases and a dense column.
 
 Each scene is run twice. The first time nothing is known but the rates of `elutria.estimates.price`
-and the speed of this machine; the second time, with twice the parcels, the first run is known.
+and the speed of this machine; the second time, with twice the parcels, the first run is known. What the
+first runs came to is written as `delivered.json`, which `tools/elutria/estimates` has from the
+reference machine.
 """
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -55,6 +58,7 @@ def run(job: Job, options: Options) -> None:
     """Run every scene twice; writes price.csv, .png and .json."""
     scenes = {"column": SCENES["column"]} if job.quick else SCENES
     rows: list[dict[str, Any]] = []
+    made: list[Spent] = []
     for scene, settings in scenes.items():
         known: list[Spent] = []
         for parcels in (options.particles, 2 * options.particles):
@@ -62,6 +66,8 @@ def run(job: Job, options: Options) -> None:
             rows.append(row)
             known.append(came_to)
             job.say(f"{scene}: {row['expected_s']:.3g} s expected, {row['processor_s']:.3g} s")
+        made.append(known[0])
+    (job.folder / "delivered.json").write_text(json.dumps([asdict(run) for run in made], indent=1))
     write_result(job, NAME, COLUMNS, rows, _figure(rows), {"particles": options.particles})
     shutil.rmtree(job.folder / "runs", ignore_errors=True)
 
