@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from elutria.running import worker
 from tests.support import dask, slurm
 from tests.support.engines import command, sweep, tables
 
@@ -178,6 +179,27 @@ def test_a_job_that_slurm_ends_is_one_line_and_the_others_go_on(
     done = sweep(column, to, "slurm", "--velocity", "4:6:3")
     assert done.returncode == 0, done.stderr
     assert (to / "U4/log.elutriaFoam.1").is_file()
+
+
+def test_a_run_ends_when_nobody_asks_for_it_any_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who asked was killed: its file is there, but is not touched; or has left: there is none."""
+    monkeypatch.setattr(worker, "GONE_AFTER", 1.0)
+    monkeypatch.setattr(worker, "ASKED_EVERY", 0.2)
+    with worker.asking(tmp_path) as asked:
+        process = subprocess.Popen(["sleep", "3"])
+        worker._wait(process, asked)
+        assert process.returncode == 0, "ended although it is asked for"
+    assert asked.mark() is None
+    asked.file.touch()
+    for gone in (lambda: None, asked.file.unlink):
+        gone()
+        process = subprocess.Popen(["sleep", "100"])
+        began = time.monotonic()
+        worker._wait(process, asked)
+        assert process.returncode == -signal.SIGTERM
+        assert time.monotonic() - began < 20
 
 
 @pytest.mark.parametrize(

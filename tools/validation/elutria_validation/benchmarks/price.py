@@ -1,8 +1,8 @@
 """What runs are expected to cost beside what they came to: the delivered cases and a dense column.
 
 Each scene is run twice. The first time nothing is known but the rates of `elutria.estimates.price`
-and the speed of this machine; the second time, with twice the parcels, the first run is known. What the
-first runs came to is written as `delivered.json`, which `tools/elutria/estimates` has from the
+and the speed of this machine; the second time, with twice the parcels, the first run is known. What
+the first runs came to is written as `delivered.json`, which `tools/elutria/estimates` has from the
 reference machine.
 """
 
