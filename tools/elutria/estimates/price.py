@@ -14,13 +14,16 @@ from dataclasses import dataclass, fields
 from math import exp, inf, isfinite, log
 from typing import Any
 
+MODEL = 1
+"""Counts up when the rates or the count change: what was kept before says nothing then."""
 STAY = 8.0
 """Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""
-SOLVED = 0.015
+SOLVED, ONCE = 0.012, 20
 """Share of the steps in which the gas is solved while parcels enter and leave, where they change it
-by `gasTolerance`."""
-SOLVED_LATE, MOST_LATE = 1e-3, 0.7
-"""The same while the last ones hover; it rises with the square of the change, up to this share."""
+by `gasTolerance`; and how often it is solved anyway where they do."""
+SOLVED_LATE, MOST_LATE = 7e-5, 0.7
+"""That share while the last ones hover; it rises with the square of the change, up to the second
+number."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +92,11 @@ def work(plan: Mapping[str, Any]) -> Work:
     busy = min(feed["end_s"] - feed["start_s"] + stay, lasts)
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
     late = lasts - busy
-    solves = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
+    solved = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
     stiff = max(1.0, step / (expected["shortest_relaxation_s"] or step))
     return Work(
         settled=cells,
-        solved=cells * solves / step if change >= 1 else 0.0,
+        solved=cells * (ONCE + solved / step) if change >= 1 else 0.0,
         steps=lasts / step,
         moved=parcels * max(1.0, stay / step) * stiff,
         collided=parcels * (expected["collisions"] or 0.0),
@@ -131,7 +134,7 @@ class Spent:
 
 def mesh_key(plan: Mapping[str, Any]) -> str:
     """Tells runs on one mesh, with the same forces, from others."""
-    known = json.dumps([plan["mesh"], plan["drag"]["forces"]], sort_keys=True)
+    known = json.dumps([MODEL, plan["mesh"], plan["drag"]["forces"]], sort_keys=True)
     return hashlib.sha256(known.encode()).hexdigest()[:16]
 
 
