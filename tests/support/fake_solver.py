@@ -35,6 +35,25 @@ def draw_size(draw: random.Random) -> float:
             return diameter
 
 
+def planned(velocity: float, count: int) -> dict[str, object]:
+    """What of the plan is asked for."""
+    gas = {"basis": "inlet", "inflow_is_fixed": True, "superficial_m_s": velocity, "inlets": []}
+    return {
+        "mesh": {"cells": 1000},
+        "gas": {**gas, "through_time_s": 0.5 / velocity, "changes_at": 0.01},
+        "drag": {"forces": []},
+        "feed": {"parcels": count, "start_s": 0, "end_s": 1, "run_ends_s": 1.5},
+        "expected": {
+            "loading": parameter("loading"), "gas_change": 0.03, "collisions": 0.1,
+            "shortest_relaxation_s": 0.15,
+        },
+        "step": {
+            "first_s": 0.004, "adjusts": True, "courant": 4.8, "largest_courant": 4,
+            "largest_by_collisions_s": None,
+        },
+    }  # fmt: skip
+
+
 def main() -> int:
     velocity, count, seed = (
         parameter("gasVelocity"),
@@ -42,9 +61,8 @@ def main() -> int:
         parameter("seed"),
     )
     if "-plan" in sys.argv:
-        gas = {"basis": "inlet", "inflow_is_fixed": True, "superficial_m_s": velocity}
         Path("postProcessing").mkdir()
-        Path("postProcessing/plan.json").write_text(json.dumps({"gas": {**gas, "inlets": []}}))
+        Path("postProcessing/plan.json").write_text(json.dumps(planned(velocity, count)))
         return 0
     if "FAKE_STARTS" in os.environ:
         with Path(os.environ["FAKE_STARTS"]).open("a") as file:

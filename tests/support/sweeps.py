@@ -6,10 +6,12 @@ from pathlib import Path
 
 from elutria.case.case import Case
 from elutria.classification.precision import Precision
+from elutria.estimates.price import Price
 from elutria.running.axes import grid
+from elutria.running.budget import Budget
+from elutria.running.engine import local_executor
 from elutria.running.results import Results
 from elutria.running.sweep import SweepResult, plan, run_sweep
-from elutria.running.worker import local_executor
 
 SMALL = ["system/simulationParameters:particles=400"]
 
@@ -26,6 +28,9 @@ class Silent:
     def planned(self, runs: int) -> None:
         pass
 
+    def expected(self, cost: Price) -> None:
+        pass
+
 
 def sweep(
     case: Path,
@@ -33,7 +38,7 @@ def sweep(
     velocities: str,
     replicates: int = 1,
     extra: list[str] = SMALL,
-    precision: Precision | None = None,
+    precision: Precision | Budget | None = None,
     vary: list[str] | None = None,
 ) -> SweepResult:
     source = Case(case)

@@ -52,7 +52,7 @@ def test_without_it_its_commands_say_what_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(cli, "app", typer.Typer())
-    monkeypatch.setattr(cli, "entry_points", lambda **_: ())
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: ())
     cli._add_commands()
     for name in ("bench", "verify"):
         with pytest.raises(SystemExit) as ended:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import traceback
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -20,6 +19,7 @@ from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
     from elutria.classification.classify import Classification, Row
+    from elutria.estimates.price import Price
     from elutria.running.solver import Step
     from elutria.warned import Warned
 
@@ -67,15 +67,30 @@ def options() -> None:
 @app.command(epilog="Example: elutria check cases/column")
 def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
-    from elutria.case.case import Case
-    from elutria.estimates.check import check_text, report
+    from elutria.estimates import kept, machine
+    from elutria.estimates.check import report
+    from elutria.estimates.price import in_words
     from elutria.output.terminal import print_table
+
+    known = kept.read(key := kept.key(case, "elutriaFoam"))
+    if known is None:
+        known = _asked(case)
+        kept.keep(key, known)
+    solvers = known["plan"]
+    for table in report(case.resolve().name, known["velocity"], solvers):
+        print_table(console, table)
+    _say(f"expected of {in_words(machine.expected([solvers])[0], 1)}")
+
+
+def _asked(case: Path) -> dict[str, Any]:
+    """A case's gas velocity and the solver's plan of it. Raises InputError for what is wrong."""
+    from elutria.case.case import Case
+    from elutria.estimates.check import check_text
     from elutria.running.run import ask_plan
 
     source = Case(case)
     check_text(source)
-    for table in report(source, ask_plan(source)):
-        print_table(console, table)
+    return {"velocity": source.velocity(), "plan": ask_plan(source)}
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")
@@ -144,6 +159,14 @@ def sweep(
         typer.Option(help="Replicates until the 95 % interval of d50 is +- this share of it."),
     ] = None,
     most_runs: Annotated[int, typer.Option(help="Runs of a velocity for --precision.")] = 12,
+    budget: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Replicates for so much processor time: 10min, 2h."),
+    ] = None,
+    engine: Annotated[
+        str,
+        typer.Option(metavar="local|dask:ADDRESS|slurm[:OPTIONS]", help="Where the runs are done."),
+    ] = "local",
     wide: WideOption = False,
     formats: FormatOption = None,
 ) -> None:
@@ -151,10 +174,13 @@ def sweep(
     never run again; the tables hold all runs of the folder."""
     from elutria.case.case import Case
     from elutria.classification.precision import Precision
+    from elutria.estimates.price import in_words
+    from elutria.running import costs
     from elutria.running.axes import grid, read_points
+    from elutria.running.budget import parse_budget
+    from elutria.running.engine import open_engine, slots
     from elutria.running.results import Results
     from elutria.running.sweep import plan, run_sweep
-    from elutria.running.worker import local_executor
 
     source = Case(case)
     if points is not None and (velocity is not None or vary):
@@ -166,12 +192,24 @@ def sweep(
     _refuse_overlap(source.path, folder)
     members = plan(source, folder, wanted, replicates, set_ or [])
     results = Results(source, folder, set_ or [])
-    jobs = _jobs(jobs, np)
+    if precision is not None and budget is not None:
+        raise InputError(f"--budget {budget}: allowed: either it, or --precision")
     asked = None if precision is None else Precision(precision, most_runs)
-    with _SweepDisplay(len(members)) as display, local_executor(jobs) as executor:
-        result = run_sweep(results, members, executor, np, display, asked)
+    goal = asked if budget is None else parse_budget(budget)
+    with (
+        open_engine(engine, jobs, np, (source.path, folder), _say) as executor,
+        _SweepDisplay(len(members), slots(engine, jobs, np)) as display,
+    ):
+        try:
+            result = run_sweep(results, members, executor, np, display, goal)
+        except KeyboardInterrupt:
+            done = sum(len(runs) for runs in results.finished().values())
+            _say(f"{done} of {len(members)} runs are finished; their tables are in {folder}")
+            raise
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
+    if result.ran:
+        _say(f"spent by {in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
     _show(result.tables, wide)
     _warn(result.warnings)
     for name in result.imprecise:
@@ -210,7 +248,7 @@ def find(
     source = Case(case)
     folder = (to or Path("results") / source.name).resolve()
     _refuse_overlap(source.path, folder)
-    with _SweepDisplay(1) as display:
+    with _SweepDisplay(1, 1) as display:
         lines, tables = answer(
             source, folder, (d50, material, vary, most_runs), set_ or [], np, display
         )
@@ -333,13 +371,6 @@ def vtk(
         console.print(str(path), highlight=False, soft_wrap=True)
 
 
-def _jobs(jobs: int, np: int) -> int:
-    """Runs at a time, as --jobs asks."""
-    if jobs < 0:
-        raise InputError(f"--jobs {jobs}; allowed: a whole number >= 1, or 0 for all cores")
-    return jobs or max(1, len(os.sched_getaffinity(0)) // np)
-
-
 def _refuse_overlap(case: Path, folder: Path) -> None:
     source = case.resolve()
     if folder == source or source.is_relative_to(folder) or folder.is_relative_to(source):
@@ -415,12 +446,14 @@ def _json(value: Any) -> Any:
 class _SweepDisplay:
     """Shows a sweep: a bar per running velocity and one for all of it."""
 
-    def __init__(self, runs: int):
+    def __init__(self, runs: int, at_once: int):
         from elutria.running.progress import ProgressDisplay
 
         self.display = ProgressDisplay(console, every=10.0)
         self.shares: dict[str, float] = {}
         self.runs = runs
+        self.at_once = at_once
+        self.began = monotonic()
 
     def __enter__(self) -> _SweepDisplay:
         self.display.__enter__()
@@ -432,21 +465,39 @@ class _SweepDisplay:
     def progress(self, name: str, share: float, note: str) -> None:
         self.shares[name] = share
         self.display.update(name, share, note)
-        self.display.update("all", sum(self.shares.values()) / self.runs)
+        self._all()
+
+    def _all(self) -> None:
+        from elutria.estimates.price import duration
+
+        share, gone = sum(self.shares.values()) / self.runs, monotonic() - self.began
+        left = f"{duration(gone * (1 - share) / share)} left" if share > 0.02 else ""
+        self.display.update("all", share, left)
 
     def planned(self, runs: int) -> None:
         self.runs = runs
+
+    def expected(self, cost: Price) -> None:
+        from elutria.estimates.price import in_words
+
+        self.display.say(f"expected of {in_words(cost, self.at_once)}")
 
     def finished(self, name: str, line: str) -> None:
         self.shares[name] = 1.0
         self.display.close(name)
         self.display.say(f"{name}: {line}")
-        self.display.update("all", sum(self.shares.values()) / self.runs)
+        self._all()
 
 
 def _add_commands() -> None:
     """The commands of other packages (entry points `elutria.commands`); bench and verify say where
-    they come from while that package is not installed."""
+    they come from while that package is not installed. They are not looked for where a command of
+    this package is called: that would take a quarter of its start."""
+    own = {command.callback.__name__ for command in app.registered_commands if command.callback}
+    if own & set(sys.argv[1:2]) and not {"-h", "--help"} & set(sys.argv):
+        return
+    from importlib.metadata import entry_points
+
     for point in entry_points(group="elutria.commands"):
         point.load()(app)
     known = {command.callback.__name__ for command in app.registered_commands if command.callback}

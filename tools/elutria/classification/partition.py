@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import nan, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
-from elutria.classification.events import Events
+if TYPE_CHECKING:
+    from elutria.classification.events import Events
 
 Array = NDArray[np.float64]
 
@@ -163,6 +164,8 @@ def wilson(share: float, number: float, confidence: float = 0.95) -> tuple[float
     """Wilson's interval of a share seen in `number` (effective) trials. Wilson 1927."""
     if number <= 0:
         return nan, nan
+    from scipy.special import ndtri  # the figures, which need the classes alone, start sooner
+
     z = float(ndtri(0.5 + confidence / 2))
     center = (share + z**2 / (2 * number)) / (1 + z**2 / number)
     half = z / (1 + z**2 / number) * sqrt(share * (1 - share) / number + z**2 / (4 * number**2))

@@ -6,12 +6,13 @@ only spelling and ranges are looked at before, which the user is told of sooner 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from elutria.case.case import Case
+if TYPE_CHECKING:
+    from elutria.case.case import Case
 
 BASES = {
     "inlet": "what flows in",
@@ -34,10 +35,10 @@ def check_text(case: Case) -> None:
     )
 
 
-def report(case: Case, plan: dict[str, Any]) -> list[Table]:
-    """Tables for the terminal, of the solver's plan of a case."""
+def report(name: str, velocity: float, plan: dict[str, Any]) -> list[Table]:
+    """Tables for the terminal, of the solver's plan of a case with a gas velocity (m/s)."""
     return [
-        _setting(case, plan),
+        _setting(name, velocity, plan),
         _materials(plan),
         _limits(plan),
         _expected(plan),
@@ -57,10 +58,10 @@ def _known(value: float | None, text: str) -> str:
     return "known when the gas flows" if value is None else text.format(value)
 
 
-def _setting(case: Case, plan: dict[str, Any]) -> Table:
-    table = _table(f"{case.name}: what was understood", "what", "value", "from")
+def _setting(name: str, velocity: float, plan: dict[str, Any]) -> Table:
+    table = _table(f"{name}: what was understood", "what", "value", "from")
     gas, feed = plan["gas"], plan["feed"]
-    table.add_row("gas velocity", f"{case.velocity():g} m/s", "system/simulationParameters")
+    table.add_row("gas velocity", f"{velocity:g} m/s", "system/simulationParameters")
     table.add_row(
         "gas", f"{gas['density_kg_m3']:g} kg/m3, {gas['viscosity_pa_s']:.3g} Pa s",
         "constant/transportProperties",

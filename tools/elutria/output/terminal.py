@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -10,9 +11,12 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 
 from elutria import tables
-from elutria.output.settings import Row, Settings, materials_of
 from elutria.tables import VELOCITY, short
 
+if TYPE_CHECKING:
+    from elutria.output.settings import Settings
+
+Row = dict[str, Any]
 TableColumn = tuple[str, Callable[[Row], str]]
 """A heading with its unit below, and the text of a row."""
 
@@ -91,6 +95,8 @@ def summary_table(rows: Sequence[Row], settings: Settings, wide: bool = False) -
 
     `all` is left out where there is one material. Units stand in the head.
     """
+    from elutria.output.settings import materials_of
+
     names = materials_of(rows)
     shown = [row for row in rows if len(names) > 1 or row["material"] != "all"]
     keys = [name for name in settings.columns if name in (VELOCITY, *settings.varied)]

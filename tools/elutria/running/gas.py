@@ -55,23 +55,32 @@ def _patch_flows(run: Path) -> list[dict[str, Any]]:
     ]
 
 
-def require_acting_velocity(case: Case, labels: Sequence[tuple[float, Sequence[Setting]]]) -> None:
+def require_acting_velocity(
+    case: Case,
+    labels: Sequence[tuple[float, Sequence[Setting]]],
+    planned: Sequence[tuple[float, Mapping[str, Any]]] = (),
+) -> None:
     """Raise InputError where the gas of a run is not that of its velocity (m/s) and does not follow
-    it either. The first and the last run are planned; nothing is solved.
+    it either. The first and the last run are planned, unless `planned` ones of two velocities are
+    known; nothing is solved.
 
     Where the gas goes with the velocity but differs from it, the case has its own notion of it:
     that is a warning of the run, see label_warnings.
     """
-    (low, settings), (high, others) = labels[0], labels[-1]
-    if low == high:
-        tried = 1.25 * low
-        others = [*settings, Setting.parse(f"{VELOCITY}={tried:.12g}")]
-    gases = [plan["gas"] for plan in plans(case, [settings, others])]
+    if planned and planned[0][0] != planned[-1][0]:
+        (low, first), (high, last) = planned[0], planned[-1]
+        tried, gases = high, [first["gas"], last["gas"]]
+    else:
+        (low, settings), (high, others) = labels[0], labels[-1]
+        tried = high
+        if low == high:
+            tried = 1.25 * low
+            others = [*settings, Setting.parse(f"{VELOCITY}={tried:.12g}")]
+        gases = [plan["gas"] for plan in plans(case, [settings, others])]
     if not all(gas["inflow_is_fixed"] for gas in gases):
         return  # known when the gas has settled: require_found
-    asked = (tried if low == high else high) / low
     found = gases[1]["superficial_m_s"] / gases[0]["superficial_m_s"]
-    if abs(found / asked - 1) <= ALLOWED:
+    if abs(found / (tried / low) - 1) <= ALLOWED:
         return
     for label, gas in zip((low, high) if low != high else (low,), gases, strict=False):
         if not _matches(gas, label):

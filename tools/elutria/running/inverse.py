@@ -10,10 +10,10 @@ from elutria.classification.classify import Classification, Row
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
 from elutria.running.axes import Point, number_or_word, own_value, same_value
+from elutria.running.engine import local_executor
 from elutria.running.find import Asked, Cut, floats_at, interval, parse_range, search
 from elutria.running.results import Results
 from elutria.running.sweep import Watcher, plan, run_sweep
-from elutria.running.worker import local_executor
 
 
 def answer(

@@ -1,4 +1,4 @@
-"""How far work is: bars with the remaining time on a terminal, plain lines elsewhere."""
+"""How far work is: bars on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from rich.progress import (
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
-    TimeRemainingColumn,
 )
 
 
@@ -30,8 +29,6 @@ class ProgressDisplay:
                 BarColumn(bar_width=30),
                 TaskProgressColumn(),
                 TimeElapsedColumn(),
-                TextColumn("left"),
-                TimeRemainingColumn(),
                 TextColumn("{task.fields[note]}", style="dim"),
                 console=console,
             )

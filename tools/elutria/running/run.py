@@ -18,13 +18,17 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
+from elutria.estimates import machine
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in
+from elutria.running import costs
+from elutria.running.ahead import Ahead
 from elutria.running.extend import replaced_inputs
 from elutria.running.marker import FINISHED, MARKER, Identity, Marker, now
 
@@ -40,6 +44,10 @@ STEERING = "system/steering"
 FRAMES = "postProcessing/frames/frames.bin"
 PLAN = "postProcessing/plan.json"
 LOG = f"log.{SOLVER}"
+
+
+class LockedError(ElutriaError):
+    """Another process runs in the folder."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +88,7 @@ def is_finished(folder: Path, fingerprint: str) -> bool:
 
 def wall_time(folder: Path) -> float:
     """Seconds that a finished run took. Raises InputError when it is not finished."""
-    value = read_json(folder / FINISHED).get("wall_time_s")
-    if not isinstance(value, (int, float)):
-        raise InputError(f"{folder / FINISHED}: wall_time_s: must be a number")
-    return float(value)
+    return costs.number(folder, "wall_time_s")
 
 
 def run_case(
@@ -115,7 +120,7 @@ def run_case(
         if shown and is_finished(folder, fingerprint):
             return Case(folder)
         _need_programs(np)
-        solving = _Solving(case, on_step, frames)
+        solving = _Solving(case, on_step, frames, machine.processor_s())
         marker = Marker(Identity.of(case, settings), fingerprint, np, replicate, started=now())
         before = Marker.read(folder)
         if before is not None and not before.ready:
@@ -139,12 +144,13 @@ def run_case(
 
 @dataclass(frozen=True)
 class _Solving:
-    """What a run's solver is started with: the case that it is of, who hears of its steps, and
-    whether it records frames."""
+    """What a run's solver is started with: the case that it is of, who hears of its steps,
+    whether it records frames, and the processor time (s) of this process before the run."""
 
     case: Case
     on_step: Callable[[float, Step], None]
     frames: bool
+    processor_s: float
 
 
 def _start(
@@ -195,8 +201,13 @@ def _solve_and_mark(folder: Path, marker: Marker, solving: _Solving) -> None:
         "inputs": _steered(solving.case, folder, marker.inputs),
         "gas_velocity_m_s": copy.velocity(),
         "wall_time_s": round(marker.spent_s + now() - marker.started, 3),
+        "processor_s": round(machine.processor_s() - solving.processor_s, 3),
+        "memory_mb": round(machine.memory_mb() * marker.np, 1),
+        "disk_mb": round(machine.disk_mb(folder), 3),
     }
     write_json(folder / FINISHED, content)
+    if marker.spent_s == 0:
+        costs.learn(folder, content)
 
 
 def _watched(
@@ -272,7 +283,7 @@ def _lock(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            raise ElutriaError(
+            raise LockedError(
                 f"{folder}: locked by another elutria; wait for its end, or choose another --to"
             ) from error
         yield
@@ -353,7 +364,14 @@ def solve(
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
     if frames:
         command.append("-frames")
-    outcome = follow(folder, command, LOG, lambda step: on_step(goal.share(step), step))
+    ahead = Ahead(folder / PLAN)
+
+    def tell(step: Step) -> None:
+        left = ahead.left_s(step)
+        share = ahead.share(left) if isfinite(left) else goal.share(step)
+        on_step(share, replace(step, ends_in_s=left))
+
+    outcome = follow(folder, command, LOG, tell)
     if outcome.interrupted:
         raise KeyboardInterrupt
     if not outcome.complete:

@@ -23,13 +23,15 @@ _STEP = re.compile(r"elutria: time (\S+) fed (\d+)((?: \S+ \d+)*) inside (\d+) l
 
 @dataclass(frozen=True)
 class Step:
-    """What the solver says after a time step: parcels; `left` by product, in the feed's order."""
+    """What the solver says after a time step: parcels; `left` by product, in the feed's order.
+    `ends_in_s` is how long the run still takes, nan where that is not known."""
 
     time: float
     fed: int
     left: dict[str, int]
     inside: int
     lost: int
+    ends_in_s: float = nan
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ nearby, always the same one, as it has settled there.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -19,14 +20,18 @@ from typing import Protocol
 from elutria.case.case import SEED, Case, Setting
 from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
-from elutria.classification.precision import Precision
-from elutria.errors import ElutriaError, InputError
+from elutria.classification.precision import Precision, d50_half_width
+from elutria.errors import ElutriaError, InputError, one_line
+from elutria.estimates import machine
+from elutria.estimates.price import Price, duration
 from elutria.files import writing_to
+from elutria.running import costs
 from elutria.running.axes import Point, seed_of
+from elutria.running.budget import Budget, Known
 from elutria.running.gas import require_acting_velocity
 from elutria.running.results import Results
-from elutria.running.run import is_finished, wall_time
-from elutria.running.worker import EVERY, Job, perform
+from elutria.running.run import is_finished, plans, wall_time
+from elutria.running.worker import EVERY, Asking, Job, asking, perform
 from elutria.warned import Warned
 
 
@@ -58,6 +63,7 @@ class SweepResult:
     skipped: int = 0
     imprecise: list[str] = field(default_factory=list)
     warnings: dict[str, list[Warned]] = field(default_factory=dict)
+    ran: list[Path] = field(default_factory=list)
 
 
 class Watcher(Protocol):
@@ -71,6 +77,9 @@ class Watcher(Protocol):
 
     def planned(self, runs: int) -> None:
         """There are so many runs in all."""
+
+    def expected(self, cost: Price) -> None:
+        """What the runs that are not finished are expected to cost; told before they begin."""
 
 
 def plan(
@@ -119,7 +128,7 @@ def run_sweep(
     executor: Executor,
     np: int,
     watcher: Watcher,
-    precision: Precision | None = None,
+    goal: Precision | Budget | None = None,
 ) -> SweepResult:
     """Have the executor run what is not finished, and write the tables of all that is complete in
     the folder of the results, by this call or an earlier one."""
@@ -128,14 +137,48 @@ def run_sweep(
     results.write_identity()
     result = SweepResult()
     case = results.case
-    finished = [is_finished(m.folder, case.fingerprint(m.settings, np)) for m in members]
-    if not all(finished):
-        require_acting_velocity(case, [(m.point.velocity, m.settings) for m in members])
-    course = _Course(case, np, list(members), precision, result)
-    _work_off(course, executor, watcher)
+    todo = [m for m in members if not is_finished(m.folder, case.fingerprint(m.settings, np))]
+    if todo:
+        _look_ahead(case, members, todo, watcher, goal)
+    try:
+        with asking(results.folder) as asked:
+            course = _Course(case, np, list(members), goal, result, asked)
+            _work_off(course, executor, watcher)
+    except KeyboardInterrupt:
+        results.write_tables(result.failures)
+        raise
     result.tables, unreadable, result.warnings = results.write_tables(result.failures)
     result.failures |= unreadable
     return result
+
+
+def _look_ahead(
+    case: Case,
+    members: list[Member],
+    todo: list[Member],
+    watcher: Watcher,
+    goal: Precision | Budget | None,
+) -> None:
+    """Have some runs planned: whether their gas is that of their velocity, and what they cost.
+
+    Raises InputError where it is not, or where they cost more than the budget.
+    """
+    planned = costs.chosen(len(todo))
+    answers = plans(case, [todo[number].settings for number in planned])
+    require_acting_velocity(
+        case,
+        [(m.point.velocity, m.settings) for m in members],
+        [(todo[n].point.velocity, plan) for n, plan in zip(planned, answers, strict=True)],
+    )
+    cost = costs.total(costs.spread(len(todo), planned, machine.expected(answers)))
+    watcher.expected(cost)
+    spent = costs.came_to([m.folder for m in members if m not in todo]).processor_s
+    if isinstance(goal, Budget) and spent + cost.processor_s > goal.processor_s:
+        raise InputError(
+            f"--budget: {duration(goal.processor_s)}, but the runs asked for take "
+            f"{duration(spent + cost.processor_s)} of processor; allowed: that, or fewer "
+            "points or particles"
+        )
 
 
 def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
@@ -144,7 +187,7 @@ def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
     A run is handed over once the gas that it starts from has settled, or never will.
     """
     waiting = course.not_finished(course.members)
-    active: dict[Future[None], tuple[Member, Job]] = {}
+    active: dict[Future[str | None], tuple[Member, Job]] = {}
     watcher.planned(len(course.members))
     while waiting or active:
         unsettled = {member.folder for member in waiting}
@@ -165,17 +208,22 @@ def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
             line = f"FAILED: {failure}"
             if failure is None:
                 line = f"finished in {wall_time(member.folder):.0f} s"
+                course.result.ran.append(member.folder)
             watcher.finished(member.name, line)
             waiting += course.ended(member, failure)
             watcher.planned(len(course.members))
 
 
-def _failure(future: Future[None]) -> str | None:
+def _failure(future: Future[str | None]) -> str | None:
     """Why a job failed, also when it is the executor that failed it; None when it did not."""
-    error = future.exception()
-    if error is None:
-        return None
-    return str(error) if isinstance(error, ElutriaError) else f"{type(error).__name__}: {error}"
+    try:
+        return future.result()
+    except CancelledError:
+        return "given up by the engine"
+    except ElutriaError as error:
+        return str(error)
+    except Exception as error:
+        return one_line(f"{type(error).__name__}: {error}", 400)
 
 
 class _Course:
@@ -186,22 +234,25 @@ class _Course:
         case: Case,
         np: int,
         members: list[Member],
-        precision: Precision | None,
+        goal: Precision | Budget | None,
         result: SweepResult,
+        asked: Asking,
     ):
         self.case = case
         self.np = np
         self.members = members
-        self.precision = precision
+        self.goal = goal
         self.result = result
+        self.asked = asked
         self.running: set[str] = set()
 
     def job(self, member: Member) -> Job:
         """A run as the executor gets it."""
         case = self.case.path.resolve()
         return Job(
-            case, member.folder, member.settings, self.np, member.neighbour, member.replicate
-        )
+            case, member.folder, member.settings, self.np, member.neighbour, member.replicate,
+            self.asked,
+        )  # fmt: skip
 
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""
@@ -210,7 +261,10 @@ class _Course:
         self.result.skipped += len(complete)
         todo = [member for member in members if member not in complete]
         self.running |= {member.name for member in todo}
-        for point in dict.fromkeys(member.point for member in complete):
+        points = list(dict.fromkeys(member.point for member in complete))
+        if isinstance(self.goal, Budget):
+            points = points[:1]  # it looks at all of them
+        for point in points:
             todo += self._further(point)
         return todo
 
@@ -222,18 +276,46 @@ class _Course:
         return self._further(member.point)
 
     def _further(self, point: Point) -> list[Member]:
-        group = [member for member in self.members if member.point == point]
-        bad = any(m.name in self.running or m.name in self.result.failures for m in group)
-        if self.precision is None or bad:
+        if isinstance(self.goal, Budget):
+            return self._within(self.goal)
+        group = self._group(point)
+        if self.goal is None or not self._is_complete(group):
             return []
         try:
             run = join([read_run(member.folder) for member in group])
         except InputError:
             return []  # told when the tables are made
-        count = self.precision.further_runs(run, len(group))
+        count = self.goal.further_runs(run, len(group))
         if count == 0:
             self.result.imprecise.append(point.title)
+        return self.not_finished(self._add(group, count or 0))
+
+    def _within(self, budget: Budget) -> list[Member]:
+        """What a budget allows, once nothing runs any more."""
+        if self.running:
+            return []
+        known = {}
+        for point in dict.fromkeys(member.point for member in self.members):
+            group = self._group(point)
+            with suppress(InputError):
+                if self._is_complete(group):
+                    folders = [member.folder for member in group]
+                    width = d50_half_width(join([read_run(folder) for folder in folders]))
+                    each = costs.came_to(folders).processor_s / len(folders)
+                    known[point] = Known(width, len(folders), each)
+        further = budget.further_runs(known)
+        added = [self._add(self._group(point), count) for point, count in further.items()]
+        return self.not_finished([member for members in added for member in members])
+
+    def _group(self, point: Point) -> list[Member]:
+        return [member for member in self.members if member.point == point]
+
+    def _is_complete(self, group: list[Member]) -> bool:
+        return not any(m.name in self.running or m.name in self.result.failures for m in group)
+
+    def _add(self, group: list[Member], count: int) -> list[Member]:
+        """So many more replicates of a point."""
         first = len(group) + 1
-        further = [_replicate(self.case, group[0], first + k) for k in range(count or 0)]
+        further = [_replicate(self.case, group[0], first + k) for k in range(count)]
         self.members += further
-        return self.not_finished(further)
+        return further
