@@ -276,6 +276,31 @@ def atlas(
     console.print(str(write_atlas(results, to or results / "atlas.html")), soft_wrap=True)
 
 
+@app.command(epilog="Example: elutria compare results/column measured.csv --velocity 6")
+def compare(
+    results: ResultsArgument,
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MEASURED.csv", help="Sizes, shares to coarse or product masses, uncertainty."
+        ),
+    ],
+    to: Annotated[Path | None, typer.Option(help="Folder; default: RESULTS/compare.")] = None,
+    velocity: Annotated[float | None, typer.Option(help="Which of the results, m/s.")] = None,
+    material: Annotated[str | None, typer.Option(help="Whose curve; default: that of all.")] = None,
+    formats: FormatOption = None,
+) -> None:
+    """Compare with a measured partition curve: overlay, chi-square, differences with intervals."""
+    from elutria.comparing.answer import write_comparison
+
+    folder = to or results / "compare"
+    lines, figures = write_comparison(
+        results, measured, folder, velocity, material, formats or ["png"]
+    )
+    for line in [*lines, *map(str, figures)]:
+        _say(line)
+
+
 @app.command(epilog="Example: elutria view cases/column --velocity 5")
 def view(
     place: Annotated[

@@ -46,6 +46,11 @@ CURVE = (
     "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
 )  # fmt: skip
 THEORY = ("gas_velocity_m_s", "material", "law", "cut_size_m")
+COMPARISON = (
+    "diameter_low_m", "diameter_high_m", "diameter_m", "measured", "measured_low", "measured_high",
+    "ours", "ours_low", "ours_high", "difference", "standardised_difference",
+)  # fmt: skip
+"""comparison.csv: a row per size of a measurement."""
 
 # of the csv files beside the figures, without the columns of the settings
 PARTITION_FIGURE = (
