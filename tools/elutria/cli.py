@@ -375,6 +375,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     from elutria.case.case import Case
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
+    from elutria.estimates.model_error import model_errors
     from elutria.estimates.theory import write_theory
     from elutria.running.gas import label_warnings, write_gas
     from elutria.running.marker import FINISHED
@@ -387,7 +388,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     run = read_run(folder)
     labels = label_warnings(folder, velocity)
     warned = len(solver_warnings(folder)) + len(labels)
-    tables = classify_run(run, velocity, seconds, warned)
+    tables = classify_run(run, velocity, seconds, warned, model_errors(case))
     tables.write(to)
     set_tool_warnings(folder, [*labels, *tables.notes])
     write_theory(case, [velocity], to)
