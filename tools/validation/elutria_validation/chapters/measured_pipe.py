@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from elutria_validation.book.figures import BLUE, RED, label, new_figure
 from elutria_validation.book.rows import Row, Section
 from elutria_validation.harness.box import BoxCase, Contacts, Pair
 from elutria_validation.harness.cases import (
+    MODELS,
     cell_centres,
     change,
     read_gas,
@@ -105,6 +106,7 @@ class Models:
     restitution: float = 0.9
     friction: float = 0.3
     dispersion: str = "continuousDispersionRAS"
+    c0: float | None = None  # of it; None: its own
     forces: Mapping[str, Any] = field(default_factory=dict)  # beside drag and weight
     contacts: bool = True
     coupled: bool = True
@@ -116,9 +118,17 @@ CHANGED = {
     "restitution 0.8": Models(restitution=0.8),
     "no dispersion": Models(dispersion="none"),
     "Saffman's lift": Models(forces={"SaffmanMeiLiftForce": {"U": "U.air"}}),
-    "no contacts between grains and walls": Models(contacts=False),
+    "no contacts": Models(contacts=False),
     "grains do not act on the gas": Models(coupled=False),
 }
+FINE = replace(FLOWS[2], settles=0.5, averaged=0.15)
+"""The third flow, shorter."""
+MIXING = {
+    "standard": STANDARD,
+    "no dispersion": Models(dispersion="none"),
+    "dispersion's C0 doubled": Models(c0=4.2),
+}
+"""Of the third flow: what mixes grains across the pipe."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +149,12 @@ def rise(folder: Path, flow: Flow, models: Models = STANDARD, short: bool = Fals
     settles, averaged = (0.02, 0.01) if short else (flow.settles, flow.averaged)
     interval = averaged / FRAMES
     wall = Pair(models.restitution, models.friction)
+    more: dict[str, Any] = {
+        f"system/fvSchemes:divSchemes/div(alphaPhi.air,{name}.air)": ("Gauss", "upwind")
+        for name in ("k", "epsilon")
+    }
+    if models.c0 is not None:
+        more[f"{MODELS}/continuousDispersionRASCoeffs"] = {"C0": models.c0}
     case = BoxCase(
         mesh="pipeMeshDict", radius=RADIUS, pipe_length=flow.length / RADIUS, ends="cyclic",
         cells=(*CELLS, along), gas_velocity=flow.velocity, side_velocity="noSlip",
@@ -146,8 +162,7 @@ def rise(folder: Path, flow: Flow, models: Models = STANDARD, short: bool = Fals
         forces={"SchillerNaumannDrag": {}, "gravity": {}, **models.forces},
         dispersion=models.dispersion, contacts=Contacts(wall) if models.contacts else None,
         step=min(flow.step, interval), end=settles + averaged, interval=interval,
-        more={f"system/fvSchemes:divSchemes/div(alphaPhi.air,{name}.air)": ("Gauss", "upwind")
-              for name in ("k", "epsilon")},
+        more=more,
     ).make(folder, flow.start())  # fmt: skip
     friction = 0.05 * flow.velocity
     set_turbulence(case, 3.3 * friction**2, friction**3 / (0.1 * RADIUS), wall_functions=True)
@@ -258,25 +273,30 @@ def _features(found: Mapping[Flow, Profiles]) -> list[Row]:
 def settings(folder: Path, quick: bool) -> Section:
     section = Section(
         "The upward pipe: what each setting matters",
-        "The first flow above (501 um, loading 1.1) with one setting changed at a time; for "
-        "information. Friction and restitution cover what is plausible of what was not at hand. "
+        "One setting changed at a time; for information. Above the first flow (501 um, loading "
+        "1.1): friction and restitution cover what is plausible of what was not at hand. Below "
+        "the third (243 um, loading 1, for a shorter time): what mixes grains across the pipe. "
         "Wall roughness is not among them: there is no model of it yet.",
     )
-    flow, changes = FLOWS[0], {"standard": STANDARD, **({} if quick else CHANGED)}
-    figure, (axes,) = new_figure(85)
-    for name, models in changes.items():
-        ours = rise(folder / slug(name), flow, models, short=quick)
-        for phase, line in (("grains", ours.grains), ("gas", ours.gas)):
-            rms = _rms(flow, phase, line)
-            section.rows.append(
-                Row.size(name, f"velocity of the {phase}, rms over the gas' mean", rms, None)
-            )
-        (drawn,) = axes.plot(*ours.across, lw=0.9, label=name)
-        axes.plot(flow.measured("grains")[0], ours.grains, "--", lw=0.9, color=drawn.get_color())
-    for phase, mark in (("gas", "s"), ("grains", "o")):
-        axes.plot(*flow.measured(phase), mark, ms=4, mfc="none", color="k",
-                  label=f"{phase}, measured")  # fmt: skip
-    label(axes, "distance from the axis over the radius", "velocity, m/s", fontsize=6)
+    coarse = {"standard": STANDARD, **({} if quick else CHANGED)}
+    tried = [(FLOWS[0], coarse)] if quick else [(FLOWS[0], coarse), (FINE, MIXING)]
+    figure, panels = new_figure(15 + 75 * len(tried), rows=len(tried), sharex=True)
+    for axes, (flow, changes) in zip(panels, tried, strict=True):
+        for name, models in changes.items():
+            ours = rise(folder / slug(flow.name, name), flow, models, short=quick)
+            section.rows += [
+                Row.size(f"{flow.name}, {name}", f"velocity of the {phase}, rms over the gas' mean",
+                         _rms(flow, phase, line), None)
+                for phase, line in (("grains", ours.grains), ("gas", ours.gas))
+            ]  # fmt: skip
+            (drawn,) = axes.plot(*ours.across, lw=0.9, label=name)
+            radius = flow.measured("grains")[0]
+            axes.plot(radius, ours.grains, "--", lw=0.9, color=drawn.get_color())
+        for phase, mark in (("gas", "s"), ("grains", "o")):
+            axes.plot(*flow.measured(phase), mark, ms=4, mfc="none", color="k",
+                      label=f"{phase}, measured")  # fmt: skip
+        axes.set_ylim(0, None)
+        label(axes, "distance from the axis over the radius", "velocity, m/s", fontsize=6)
     section.figures["settings"] = (figure, "One setting at a time: gas (lines), grains (dashed).")
     return section
 
@@ -291,7 +311,7 @@ def _draw(section: Section, found: Mapping[Flow, Profiles]) -> None:
         axes.plot(radius, velocity, "o", ms=4, mfc="none", color=RED, label="grains, measured")
         axes.errorbar(radius, ours.grains, 1.96 * ours.error, color=RED, lw=1.1, label="grains")
         axes.set_title(f"{flow.name}, gas {flow.velocity:g} m/s", fontsize=8)
-        axes.set_ylim(0, None)
+        axes.set_ylim(0, 1.25 * flow.velocity)
         axes.set_ylabel("velocity, m/s")
     label(panels[0], "", "velocity, m/s", ncols=2)
     panels[-1].set_xlabel("distance from the axis over the radius")
