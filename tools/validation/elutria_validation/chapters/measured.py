@@ -1,7 +1,6 @@
 """What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
 
-On an idle processor: cut_in_air half a minute, pipe four, settings four, dispersion half, seeds a
-quarter.
+On an idle processor: pipe two minutes, settings six, each of the others half a minute at most.
 """
 
 from __future__ import annotations
