@@ -1,6 +1,6 @@
 """What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
 
-On an idle processor: pipe two minutes, settings six, each of the others half a minute at most.
+Processor time: pipe two minutes, settings six, each of the others half a minute at most.
 """
 
 from __future__ import annotations
