@@ -24,8 +24,16 @@ QUICK = {
     "wake": ("hovering",),
     "budgets": ("momentum",),
     "classification": ("plug_flow",),
+    "measured": ("pipe", "seeds"),
 }
 """Sections whose short version takes seconds."""
+FAIL = {
+    "measured": {
+        "SchillerNaumannDrag, from feed to curve",  # docs/verification/notes/measured.md
+        "hollow glass",
+    }
+}
+"""Cases of rows that fail and are said to in the book: what they judge is a law or a model."""
 
 
 def chapter(name: str) -> Any:
@@ -51,4 +59,4 @@ def test_a_chapter_runs_whole(tmp_path: Path, name: str) -> None:
     job = Job(tmp_path / name, quick=True)
     found = run_chapter(job, module.NAME, module.TITLE, module.SECTIONS)
     assert found.judged
-    assert [row.failure for row in found.failed] == []
+    assert {row.case for row in found.failed} == FAIL.get(name, set())

@@ -11,6 +11,7 @@ from pathlib import Path
 from elutria.case.case import Case, Setting
 from elutria.classification.classify import Classification, classify
 from elutria.classification.events import read_run
+from elutria.estimates.model_error import model_errors
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json
 
@@ -37,7 +38,7 @@ def make_results(folder: Path, velocities: list[float], particles: int = 800) ->
         finished = {"inputs": "0123456789abcdef", "gas_velocity_m_s": velocity, "wall_time_s": 12.5}
         write_json(run / "finished.json", finished)
         write_json(run / "postProcessing/plan.json", plan(velocity))
-        made.extend(classify(read_run(run), velocity, 12.5))
+        made.extend(classify(read_run(run), velocity, 12.5, 0, model_errors(Case(run))))
     made.write(folder)
     write_theory(case, velocities, folder)
     return folder

@@ -16,6 +16,7 @@ BELOW["classification"] = {"errors", "files", "tables", "warned"}
 BELOW["running"] = BELOW["estimates"] | {"estimates", "classification", "warned"}
 BELOW["output"] = BELOW["running"]
 BELOW["pages"] = BELOW["output"] | {"running", "output"}
+BELOW["comparing"] = BELOW["pages"] | {"pages"}
 BELOW["viewing"] = BELOW["running"] | {"running"}
 """What each room of the product may import besides itself; `cli` may import all."""
 

@@ -314,6 +314,31 @@ def atlas(
     console.print(str(write_atlas(results, to or results / "atlas.html")), soft_wrap=True)
 
 
+@app.command(epilog="Example: elutria compare results/column measured.csv --velocity 6")
+def compare(
+    results: ResultsArgument,
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MEASURED.csv", help="Sizes, shares to coarse or product masses, uncertainty."
+        ),
+    ],
+    to: Annotated[Path | None, typer.Option(help="Folder; default: RESULTS/compare.")] = None,
+    velocity: Annotated[float | None, typer.Option(help="Which of the results, m/s.")] = None,
+    material: Annotated[str | None, typer.Option(help="Whose curve; default: that of all.")] = None,
+    formats: FormatOption = None,
+) -> None:
+    """Compare with a measured partition curve: overlay, chi-square, differences with intervals."""
+    from elutria.comparing.answer import write_comparison
+
+    folder = to or results / "compare"
+    lines, figures = write_comparison(
+        results, measured, folder, velocity, material, formats or ["png"]
+    )
+    for line in [*lines, *map(str, figures)]:
+        _say(line)
+
+
 @app.command(epilog="Example: elutria view cases/column --velocity 5")
 def view(
     place: Annotated[
@@ -381,6 +406,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     from elutria.case.case import Case
     from elutria.classification.classify import classify as classify_run
     from elutria.classification.events import read_run
+    from elutria.estimates.model_error import model_errors
     from elutria.estimates.theory import write_theory
     from elutria.running.gas import label_warnings, write_gas
     from elutria.running.marker import FINISHED
@@ -393,7 +419,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     run = read_run(folder)
     labels = label_warnings(folder, velocity)
     warned = len(solver_warnings(folder)) + len(labels)
-    tables = classify_run(run, velocity, seconds, warned)
+    tables = classify_run(run, velocity, seconds, warned, model_errors(case))
     tables.write(to)
     set_tool_warnings(folder, [*labels, *tables.notes])
     write_theory(case, [velocity], to)

@@ -21,8 +21,12 @@ GAS = ("gas_velocity_m_s", *PATCH_FLOWS[1:])
 SUMMARY = (
     "gas_velocity_m_s", "material", "d25_m", "d50_m", "d50_low_m", "d50_high_m", "d75_m",
     "sharpness", "ecart_probable_m", "bypass", "fines_yield", "mass_closure_error",
-    "particles_fed", "particles_lost", "wall_time_s", "warnings",
+    "particles_fed", "particles_lost", "wall_time_s", "warnings", "d50_model_error",
 )  # fmt: skip
+LATER = ("warnings", "d50_model_error")
+"""Columns of summary.csv that results of before do not have."""
+FIRST = tuple(name for name in SUMMARY if name not in LATER)
+"""Those that all results have."""
 PARTITION = (
     "gas_velocity_m_s", "material", "diameter_low_m", "diameter_high_m", "diameter_m", "feed_kg",
     "fines_kg", "coarse_kg", "inside_kg", "partition_to_coarse", "ci_low", "ci_high",
@@ -46,6 +50,11 @@ CURVE = (
     "gas_velocity_m_s", "material", "diameter_m", "partition_to_coarse", "ci_low", "ci_high",
 )  # fmt: skip
 THEORY = ("gas_velocity_m_s", "material", "law", "cut_size_m")
+COMPARISON = (
+    "diameter_low_m", "diameter_high_m", "diameter_m", "measured", "measured_low", "measured_high",
+    "ours", "ours_low", "ours_high", "difference", "standardised_difference",
+)  # fmt: skip
+"""comparison.csv: a row per size of a measurement."""
 
 # of the csv files beside the figures, without the columns of the settings
 PARTITION_FIGURE = (

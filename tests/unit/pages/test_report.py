@@ -72,6 +72,10 @@ def test_the_report_says_what_the_tables_say(made: Path, tmp_path: Path) -> None
         for name in ("d25_m", "d50_m", "d75_m"):
             assert f"{row[name] * 1e6:.4g}" in page.cells["answer"]
         assert f"{100 * row['fines_yield']:.1f}" in page.cells["answer"]
+        # the model's error has a cell of its own, after that of chance's interval
+        interval = f"{row['d50_low_m'] * 1e6:.4g} .. {row['d50_high_m'] * 1e6:.4g}"
+        after = page.cells["answer"][page.cells["answer"].index(interval) + 1]
+        assert after == f"{100 * row['d50_model_error']:.1f}" == "5.3"
     for row in read_csv(made / "products.csv", tables.PRODUCTS):
         assert f"{1e3 * row['mass_kg']:.4g}" in page.cells["products"]
         assert f"{100 * row['recovery']:.1f}" in page.cells["products"]

@@ -72,10 +72,14 @@ class Classification:
             write_csv(folder / f"{name}.csv", (*columns, *self.axes), rows)
 
 
-def classify(run: Run, velocity: float, wall_time: float, warned: int = 0) -> Classification:
+def classify(
+    run: Run, velocity: float, wall_time: float, warned: int = 0,
+    model_errors: Mapping[str, float] | None = None,
+) -> Classification:  # fmt: skip
     """All rows of one velocity (m/s): each material and `all`. `wall_time` in s.
 
     `warned`: the warnings that the solver has of it; those of the rows themselves are added.
+    `model_errors`: relative ones of d50 by material, nan where they are not known.
     """
     result = Classification()
     names = [name for name in run.accounts if name != "all"]
@@ -97,8 +101,10 @@ def classify(run: Run, velocity: float, wall_time: float, warned: int = 0) -> Cl
         ]
         result.fits += [{**key, **row} for row in _fit_rows(fits[name], events)]
         result.curves += [{**key, **row} for row in _curve_rows(fits[name], events)]
+    known = model_errors or {}
     for summary in result.summary:
         summary["warnings"] = warned + len(result.notes)
+        summary["d50_model_error"] = known.get(summary["material"], nan)
     return result
 
 

@@ -121,6 +121,19 @@ class SmoothCurve:
             np.where(high > ENDLESS - 0.01, 1.0, expit(high)),
         )
 
+    def draws(self, diameter: Array, number: int, random: np.random.Generator) -> Array:
+        """T at `diameter` (n, m) of so many likely curves, (number, n): Laplace's approximation of
+        each roughness' posterior, as often as the roughness weighs."""
+        rows = self.space.rows(np.log(diameter))
+        weight = np.array([mode.weight for mode in self.modes])
+        found = []
+        for mode, often in zip(self.modes, random.multinomial(number, weight), strict=True):
+            hessian = self.trials.hessian(mode.penalty, mode.coefficients @ self.trials.rows.T)
+            scatter = random.standard_normal((int(often), self.space.size))
+            step = np.linalg.solve(np.linalg.cholesky(hessian).T, scatter.T).T
+            found.append(expit((mode.coefficients + step) @ rows.T))
+        return np.concatenate(found)
+
     def size(self, level: float, interval: bool = True) -> Interval:
         """The largest size (m) of which less than `level` goes to coarse, and its interval.
 

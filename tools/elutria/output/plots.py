@@ -35,9 +35,7 @@ class Results:
 
 def read_results(folder: Path) -> Results:
     """The tables of RESULTS. Raises InputError when they are not there."""
-    # of results of before warnings were counted, too
-    columns = [name for name in tables.SUMMARY if name != "warnings"]
-    summary = read_csv(folder / "summary.csv", columns)
+    summary = read_csv(folder / "summary.csv", tables.FIRST)
     partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")

@@ -6,7 +6,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
-from math import isfinite, isinf
+from math import isfinite, isinf, nan
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +67,7 @@ def content(folder: Path, results: Results, runs: list[RunFolder]) -> dict[str, 
         "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "materials": materials_of(results.summary),
         "several": several,
+        "nan": nan,
         "settings": [
             {"label": settings.label(setting), "look": look.colour, "rows": shown(rows, several)}
             for setting, look in zip(settings.all, looks(len(settings.all)), strict=True)

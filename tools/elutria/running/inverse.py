@@ -95,7 +95,7 @@ def _cut(row: Row, value: float) -> Cut:
 def _known(folder: Path, asked: Asked, case: Case) -> list[Cut]:
     """Runs of the folder that answer too."""
     file = folder / "summary.csv"
-    rows = read_csv(file, tables.SUMMARY) if file.is_file() else []
+    rows = read_csv(file, tables.FIRST) if file.is_file() else []
     found = [(row, _value(row, asked, case)) for row in rows if row["material"] == asked.material]
     return [
         _cut(row, value)

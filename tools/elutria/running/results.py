@@ -12,6 +12,7 @@ from elutria.case.case import SEED, VELOCITY, Case, Setting
 from elutria.classification.classify import Classification, classify
 from elutria.classification.events import Run, join, read_run
 from elutria.errors import InputError
+from elutria.estimates.model_error import model_errors
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json
 from elutria.running.axes import Point, number_or_word, own_value, same_value
@@ -133,7 +134,8 @@ def _classified(
     """The rows of a point's runs, with its warnings added to `warnings` and to the runs' files."""
     labels = label_warnings(folders[0], point.velocity)
     solvers = [solver_warnings(folder) for folder in folders]
-    rows = classify(run, point.velocity, seconds, sum(map(len, solvers)) + len(labels))
+    warned = sum(map(len, solvers)) + len(labels)
+    rows = classify(run, point.velocity, seconds, warned, model_errors(Case(folders[0])))
     own = [*labels, *rows.notes]
     for folder in folders:
         set_tool_warnings(folder, own)

@@ -14,7 +14,8 @@ from elutria_validation.harness.programs import project_root
 
 ROW_COLUMNS = ("case", "checked", "reference", "ours", "error", "allowed", "peers", "verdict")
 ORDER = ("contacts", "impacts", "settling", "drag", "clouds", "bed", "fluidised",
-         "goldschmidt", "profiles", "dispersion", "wake", "budgets", "classification")  # fmt: skip
+         "goldschmidt", "profiles", "dispersion", "wake", "budgets", "classification",
+         "measured")  # fmt: skip
 
 
 @dataclass(frozen=True)

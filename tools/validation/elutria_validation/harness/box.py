@@ -114,6 +114,7 @@ class BoxCase:
     grading: Any = field(default=(1, 1, 1), metadata={"places": (f"{PARAMETERS}:grading",)})
     mesh: Literal["blockMeshDict", "pipeMeshDict"] = "blockMeshDict"
     radius: float = _parameter(0.01, "radius")  # m, of the pipe of pipeMeshDict
+    pipe_length: float = _parameter(2.0, "pipeLength")  # of it, in radii
 
     # its faces; `ends` are bottom and top: a patch lets gas in and out
     sides: Literal["wall", "cyclic", "symmetry"] = _parameter("wall", "sides")

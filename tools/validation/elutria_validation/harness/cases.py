@@ -168,8 +168,15 @@ def read_patch_mean(case: Path, patch: str) -> Array:
     return np.loadtxt(next(found), ndmin=2)
 
 
-def set_turbulence(case: Path, k: ArrayLike, epsilon: ArrayLike) -> None:
-    """Turbulence by the k-epsilon model's fields (m2/s2, m2/s3), one value per cell or for all."""
+WALL_FUNCTIONS = {"k": "kqRWallFunction", "epsilon": "epsilonWallFunction",
+                  "nut": "nutkWallFunction"}  # fmt: skip
+
+
+def set_turbulence(
+    case: Path, k: ArrayLike, epsilon: ArrayLike, wall_functions: bool = False
+) -> None:
+    """Turbulence by the k-epsilon model's fields (m2/s2, m2/s3), one value per cell or for all;
+    where the gas is solved, walls have a boundary layer by `wall_functions`."""
     per_time = {"k": -2, "epsilon": -3, "nut": -1}
     for name, values in {"k": k, "epsilon": epsilon, "nut": 0.0}.items():
         path = case / f"0/{name}.air"
@@ -183,6 +190,7 @@ def set_turbulence(case: Path, k: ArrayLike, epsilon: ArrayLike) -> None:
                 kind = {"type": "zeroGradient"}
             field["boundaryField"] = {
                 **{group: kind for group in ("wall", "inflow", "outflow")},
+                **({"wall": {"type": WALL_FUNCTIONS[name], "value": 0}} if wall_functions else {}),
                 "cyclic": {"type": "cyclic"},
             }
     model = {"RASModel": "kEpsilon", "turbulence": True, "printCoeffs": False}

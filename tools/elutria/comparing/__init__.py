@@ -1,0 +1,1 @@
+"""A measured partition curve beside a computed one."""

@@ -1,0 +1,17 @@
+"""What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
+
+Processor time: pipe two minutes, settings six, each of the others half a minute at most.
+"""
+
+from __future__ import annotations
+
+from elutria_validation.chapters.measured_cut import cut_in_air
+from elutria_validation.chapters.measured_dispersion import dispersion
+from elutria_validation.chapters.measured_pipe import pipe, settings
+from elutria_validation.chapters.measured_seeds import seeds
+
+NAME = "measured"
+TITLE = "Against measurements"
+HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds."
+
+SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds)
