@@ -66,7 +66,7 @@ template<class Real>
 ELUTRIA_INLINE Force<Real> normalForce(const CoefficientsOf<Real>& c, const Kinematics<Real>& k,
                                        Real elastic, Real damped, Real approach)
 {
-    Force<Real> f;
+    Force<Real> f{};        // a law without friction leaves the rest 0
     f.elastic = elastic;
     f.dashpot = c.damping*damped;
     f.normal = f.elastic - f.dashpot*approach - c.cohesion*Real(4*pi)*k.radius*k.overlap;
