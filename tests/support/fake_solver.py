@@ -41,6 +41,8 @@ def main() -> int:
         int(parameter("particles")),
         parameter("seed"),
     )
+    if "-dictionaries" in sys.argv:
+        return 2  # the tool reads the text then
     if "-plan" in sys.argv:
         gas = {"basis": "inlet", "inflow_is_fixed": True, "superficial_m_s": velocity}
         Path("postProcessing").mkdir()

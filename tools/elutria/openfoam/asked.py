@@ -50,7 +50,7 @@ def ask(case: Path, file: str) -> Asked | None:
     if answer is None:
         return None
     if "error" in answer:
-        raise InputError(_shown(answer["error"], case))
+        raise InputError(_shown(answer["error"], case, file))
     return Asked(answer)
 
 
@@ -84,10 +84,12 @@ def _answers(program: str, case: Path, _files: tuple[object, ...]) -> dict[str, 
     return answers
 
 
-def _shown(reason: str, case: Path) -> str:
+def _shown(reason: str, case: Path, file: str) -> str:
     """The solver's reason, with names of files as the tool says them."""
     name = case.resolve().name
-    return one_line(re.sub(r"[^\s\"]*/(?=(?:constant|system)/)", f"{name}/", reason), 400)
+    said = reason.replace(f"{case.resolve()}/", f"{name}/")
+    said = re.sub(r"[^\s\"]*/(?=(?:constant|system)/)", lambda _: f"{name}/", said)
+    return one_line(said if Path(file).name in said else f"{name}/{file}: {said}", 400)
 
 
 def _value(item: Any) -> Any:

@@ -204,7 +204,13 @@ def read_dictionary(
     """
     shown = _shown(path, case)
     if case is not None and path.is_relative_to(case):
-        asked = ask(case, path.relative_to(case).as_posix())
+        try:
+            asked = ask(case, path.relative_to(case).as_posix())
+        except InputError as refused:
+            named = _undefined(path, case)
+            if named is None:
+                raise
+            raise named from refused
         if asked is not None:
             return Dictionary(
                 {k: v for k, v in asked.entries.items() if with_included or k in asked.own},
@@ -213,12 +219,31 @@ def read_dictionary(
                 repeated=(*asked.repeated, *_repeated(path, shown)),
                 own=asked.own,
             )
+    return _from_text(path, case, with_included=with_included)
+
+
+def _from_text(path: Path, case: Path | None, *, with_included: bool) -> Dictionary:
+    shown = _shown(path, case)
     raw, repeated = _parse(path, shown)
     resolved: dict[str, Any] = {}
     included = _load(raw, path, case, resolved, depth=0)
     entries = {k: v for k, v in resolved.items() if with_included or k in raw}
     own = [key for key in raw if isinstance(key, str)]
     return Dictionary(entries, shown, included=tuple(included), repeated=repeated, own=own)
+
+
+def _undefined(path: Path, case: Path) -> InputError | None:
+    """The entry with a macro that stands for nothing, of which the solver tells only the macro."""
+    try:
+        _take_all(_from_text(path, case, with_included=True))
+    except InputError as error:
+        return error if "is defined nowhere" in str(error) else None
+    return None
+
+
+def _take_all(entries: Dictionary) -> None:
+    for name, value in entries.entries.items():
+        _take_all(entries.sub(name)) if isinstance(value, Mapping) else entries.raw(name)
 
 
 def _repeated(path: Path, shown: str) -> tuple[str, ...]:
