@@ -147,7 +147,18 @@ labelList pointsOf(MeshFile& faces)
 void requireCells(MeshFile& owner, MeshFile& neighbour)
 {
     const labelList own(owner.read<labelList>());
-    const labelList next(neighbour.read<labelList>());
+    if (!neighbour.readable() && own != labelList(own.size(), Zero))
+    {
+        neighbour.refuse    // OpenFOAM takes all faces as the mesh's surface
+        (
+            "is no list of labels, or is not there",
+            "the neighbour of each face between cells"
+        );
+    }
+    const labelList next
+    (
+        neighbour.readable() ? neighbour.read<labelList>() : labelList()
+    );
     const label most = (own.size() + next.size())/fewestFaces;
     owner.requireWithin(own, most, "cells");
     neighbour.requireWithin(next, most, "cells");
@@ -195,7 +206,7 @@ void requireSoundMesh(const Time& runTime)
         faces.requireWithin(pointsOf(faces), count, "points");
     }
     MeshFile owner(runTime, mesh, "owner"), next(runTime, mesh, "neighbour");
-    if (owner.readable() && next.readable())
+    if (owner.readable())
     {
         requireCells(owner, next);
     }
