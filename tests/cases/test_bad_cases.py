@@ -118,6 +118,53 @@ def test_what_must_be_positive(scene: Path, tmp_path: Path, entry: str, value: f
     assert "allowed: > 0" in said
 
 
+@pytest.mark.parametrize("form", ["ascii", "binary"])
+def test_a_mesh_names_only_what_is_there(tmp_path: Path, form: str) -> None:
+    """Of the lists of cells, and of the points of faces, in both forms of the files."""
+    case = BoxCase(gas_velocity=1, cells=(2, 2, 3), end=1e-3).make(tmp_path / "case")
+    change(case, {f"{CONTROL}:writeFormat": form})
+    run_program(["blockMesh"], case)
+    assert start(case)[0] == 0
+    for name in ("owner", "neighbour", "faces"):
+        file = case / "constant/polyMesh" / name
+        sound = file.read_bytes()
+        head, body = sound.split(b"}", 1)
+        if form == "ascii":
+            spoiled = re.sub(rb"(\(\s*(?:\d+\()?)\d+", rb"\g<1>77", body, count=1)
+        else:  # the last label of the last list
+            end = body.rindex(b")")
+            spoiled = body[: end - 4] + (77).to_bytes(4, "little") + body[end:]
+        file.write_bytes(head + b"}" + spoiled)
+        code, said = start(case)
+        assert code == 2
+        assert f"constant/polyMesh/{name}: 77; allowed: 0 to" in said
+        file.write_bytes(sound)
+
+
+@pytest.mark.parametrize("file", [CONTROL, "constant/transportProperties", "0/U.air"])
+def test_a_file_that_is_longer_than_its_kind_is_refused(
+    scene: Path, tmp_path: Path, file: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    with (case / file).open("a") as stream:
+        stream.write("a 1;\n" * 1_200_000)
+    code, said = start(case)
+    assert code == 2
+    assert file in said
+    assert "has 6 MB; allowed: 5" in said
+
+
+def test_a_material_named_as_all_together(scene: Path, tmp_path: Path) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    text = (case / malformed.FEED).read_text()
+    (case / malformed.FEED).write_text(text.replace("quartz", "all"))
+    code, said = start(case)
+    assert code == 2
+    assert "a material is named all" in said
+
+
 def test_a_feed_that_is_not_there_is_named(scene: Path, tmp_path: Path) -> None:
     case = tmp_path / "case"
     shutil.copytree(scene, case)

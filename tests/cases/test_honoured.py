@@ -139,12 +139,41 @@ def test_hits_that_nobody_would_record(tmp_path: Path) -> None:
     assert "particleErosion" in refused(case)
 
 
+def test_what_has_no_effect_is_named(tmp_path: Path) -> None:
+    """With our motion; a stock collision model's motion is stock's, and uses them."""
+    case = BoxCase(end=1e-3).make(tmp_path / "case")
+    change(case, {f"{CLOUD}:solution/cellValueSourceCorrection": True})
+    solve(case, options=["-plan"])
+    decisions = json.loads((case / "postProcessing/plan.json").read_text())["decisions"]
+    (row,) = [row for row in decisions if row[0] == "without effect"]
+    for name in ("integrationSchemes", "sourceTerms", "cellValueSourceCorrection"):
+        assert name in row[2]
+
+
+def test_models_of_mppicfoam_are_refused_with_what_to_set(tmp_path: Path) -> None:
+    case = BoxCase().make(tmp_path / "case")
+    change(case, {f"{MODELS}/packingModel": "explicit"})
+    said = refused(case)
+    assert "kinematicCloudProperties" in said
+    assert "packingModel" in said
+    assert "gravity among the particleForces" in said
+
+
+def listed() -> list[tuple[str, str, str]]:
+    """Kind, name and use of each row of the solver's list."""
+    code = (ROOT / "solver/coupling/foam/honoured.C").read_text()
+    rows = re.findall(r'\{\s*kind::(\w+),\s*"(.*?)",\s*use::(\w+),', code)
+    assert len(rows) == len(re.findall(r"\buse::\w+,", code))
+    return [(kind, name.replace("\\\\", "\\"), use) for kind, name, use in rows]
+
+
 def test_the_manual_lists_what_the_solver_lists() -> None:
-    code = (ROOT / "solver/app/elutriaFoam/run/caseFiles.C").read_text()
-    lists = re.findall(r"(?:readFiles|otherPrograms)\[\] =\n\{(.*?)\n\};", code, re.DOTALL)
-    assert len(lists) == 2
-    known = {name.replace("\\\\", "\\") for one in lists for name in re.findall(r'"(.*)"', one)}
-    page = (ROOT / "docs/user/honoured.md").read_text().partition("## Sources")[0]
-    named = set(re.findall(r"`((?:constant|system)/[^`]+)`", page))
-    assert known <= named
-    assert named - known == {"constant/MRFProperties", "constant/dynamicMeshDict"}
+    page = (ROOT / "docs/user/honoured.md").read_text()
+    known = {name for kind, name, use in listed() if kind == "file"}
+    named = set(re.findall(r"`((?:constant|system)/[^`]+)`", page.partition("## Sources")[0]))
+    assert known == named
+    for kind, name, use in listed():
+        (row, *_) = [line for line in page.splitlines() if f"`{name}`" in line and "|" in line]
+        words = {"refused": "refused|none|not ", "noEffect": "without effect", "works": "read"}
+        if kind == "file" or use != "works":
+            assert re.search(words.get(use, ""), row), (name, row)

@@ -60,6 +60,8 @@ def main() -> int:
         int(parameter("particles")),
         parameter("seed"),
     )
+    if "-dictionaries" in sys.argv:
+        return 2  # the tool reads the text then
     if "-plan" in sys.argv:
         Path("postProcessing").mkdir()
         Path("postProcessing/plan.json").write_text(json.dumps(planned(velocity, count)))

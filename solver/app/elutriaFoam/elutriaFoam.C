@@ -16,6 +16,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ElutriaCloud.H"
+#include "cloud/stockWords.H"
 #include "contacts/meshDimensions.H"
 #include "gas/GasPhase.H"
 #include "gas/GasTable.H"
@@ -23,9 +24,12 @@ Description
 #include "view/FrameWriter.H"
 #include "view/LiveControl.H"
 #include "run/AtomicTime.H"
+#include "run/caseDictionaries.H"
 #include "run/caseFiles.H"
 #include "run/exitHandling.H"
+#include "run/meshFiles.H"
 #include "run/nothingLost.H"
+#include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
 #include "foam/requirePositive.H"
@@ -146,12 +150,11 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
     {
-        OStringStream excess;
-        excess << cloud.excessVolume();
         Warnings::add
         ({
             "alphaMax", "the solid fraction exceeds alphaMax in some cells",
-            "the gas does not see " + excess.str() + " m3 of solids",
+            "the gas does not see " + threeDigits(cloud.excessVolume())
+          + " m3 of solids",
             "lower the feed's loading, or raise alphaMax of constantProperties",
             cloud.excessVolume()
         });
@@ -229,24 +232,29 @@ void settleGas
 void run(const argList& args)
 {
     AtomicTime::discardIncomplete(args.path());
+    caseFiles::refuseHuge(args.rootPath()/args.globalCaseName());
     #include "createTime.H"
     requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
 
     // Divergence is found by GasPhase::unsound(), not by a trap
     sigFpe::unset(false);
 
+    requireSoundMesh(runTime);
     #include "createMesh.H"
     refuseWedges(mesh);
     #include "createControl.H"
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
     caseFiles::refuse(mesh);
+    caseFiles::refuseHugeFields(mesh);
+
+    const word cloudName(args.opt<word>("cloud", "kinematicCloud"));
+    refuseOthersModels(mesh, cloudName);
 
     GasPhase gas(runTime, mesh, pimple, g);
     ElutriaCloud cloud
     (
-        args.opt<word>("cloud", "kinematicCloud"),
-        gas.rho(), gas.U(), gas.mu(), g
+        cloudName, gas.rho(), gas.U(), gas.mu(), g
     );
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
@@ -419,6 +427,13 @@ int main(int argc, char *argv[])
 
     argList::addBoolOption
     (
+        "dictionaries",
+        "print the case's dictionaries as OpenFOAM reads them, as JSON, and run"
+        " nothing; #calc and #codeStream are not executed"
+    );
+
+    argList::addBoolOption
+    (
         "frames",
         "for who looks on: write frames to postProcessing/frames/frames.bin, and"
         " follow postProcessing/frames/control"
@@ -426,5 +441,14 @@ int main(int argc, char *argv[])
 
     #include "addCheckCaseOptions.H"
     #include "setRootCaseLists.H"
-    return exitHandling::guarded([&]() { run(args); });
+    return exitHandling::guarded([&]()
+    {
+        if (args.found("dictionaries"))
+        {
+            std::cout<< "elutria: dictionaries "
+                << dictionariesAsJson(args.path()) << std::endl;
+            return;
+        }
+        run(args);
+    });
 }

@@ -12,6 +12,7 @@
 #include "foam/Warnings.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
+#include "OStringStream.H"
 #include "profiling.H"
 
 namespace Foam
@@ -237,6 +238,23 @@ void ElutriaCloud::writeState()
         contactHistory::write(*this, contacts_->engine());
     }
     sampling_.writeState();
+}
+
+
+void ElutriaCloud::info()
+{
+    if (time().writeTime())
+    {
+        StockCloud::info();
+    }
+    else if
+    (
+        patchInteraction().coeffDict().getOrDefault<Switch>("writeToFile", false)
+    )
+    {
+        OStringStream unread;
+        patchInteraction().info(unread);
+    }
 }
 
 

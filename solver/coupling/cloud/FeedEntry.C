@@ -152,7 +152,9 @@ void FeedEntry::enter()
     }
 
     const scalar dt = cloud_.solution().trackTime();
-    for (const label i : injection_->take(cloud_.time().value()))
+    const labelRange entering(injection_->take(cloud_.time().value()));
+    injection_->count(entering);
+    for (const label i : entering)
     {
         point position;
         label celli;

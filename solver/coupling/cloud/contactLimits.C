@@ -7,6 +7,7 @@
 
 #include "cloud/contactLimits.H"
 #include "contacts/SymmetryWalls.H"
+#include "foam/honoured.H"
 #include "patchInteractionDataList.H"
 #include "wordRes.H"
 
@@ -16,8 +17,15 @@ namespace Foam
 namespace
 {
 
-const char* const contactsAreOurs =
-    "since collisionModel cellList resolves the contacts with walls; allowed: ";
+using honoured::kind;
+
+//- Why what is on the list is refused, and what is allowed
+std::string contactsAreOurs(const kind of, const word& name)
+{
+    return
+        std::string("since collisionModel cellList resolves the contacts with")
+      + " walls; allowed: " + honoured::find(of, name)->why;
+}
 
 
 //- What happens to a particle at a wall, by the model that would rule there
@@ -38,7 +46,7 @@ word interactionAt
         const label k = all.applyToPatch(wall.index());
         return k < 0 ? word("rebound") : all[k].interactionTypeName();
     }
-    return model == "multiInteraction" ? model : word("rebound");
+    return word("rebound");
 }
 
 
@@ -50,20 +58,22 @@ void refuseInteractions(const dictionary& properties, const polyMesh& mesh)
         models.getOrDefault<word>("patchInteractionModel", "none")
     );
     const dictionary& coeffs = models.subOrEmptyDict(model + "Coeffs");
+    const bool never = honoured::isRefused(kind::wallModelWithContacts, model);
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
         if (!isContactPatch(patch))
         {
             continue;
         }
-        const word interaction(interactionAt(patch, model, coeffs));
-        if (interaction != "rebound")
+        const word what = never ? model : interactionAt(patch, model, coeffs);
+        const kind of =
+            never ? kind::wallModelWithContacts : kind::wallWithContacts;
+        if (honoured::isRefused(of, what))
         {
             FatalIOErrorInFunction(models)
-                << "patchInteractionModel: " << model << ": '" << interaction
+                << "patchInteractionModel: " << model << ": '" << what
                 << "' would not happen at the wall " << patch.name() << ", "
-                << contactsAreOurs << "rebound, or collisionModel none"
-                << exit(FatalIOError);
+                << contactsAreOurs(of, what).c_str() << exit(FatalIOError);
         }
     }
 }
@@ -84,8 +94,7 @@ void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
         for (const polyPatch& patch : mesh.boundaryMesh())
         {
             const bool records =
-                type == "particleErosion" || type == "patchCollisionDensity"
-             || type == "patchPostProcessing";
+                honoured::isRefused(kind::wallFunctionWithContacts, type);
             const wordRes patches
             (
                 dict.getOrDefault<wordRes>("patches", wordRes())
@@ -98,8 +107,11 @@ void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
             {
                 FatalIOErrorInFunction(dict)
                     << "type: '" << type << "' would record no hit of the wall "
-                    << patch.name() << ", " << contactsAreOurs
-                    << "patches that are not walls, or collisionModel none"
+                    << patch.name() << ", "
+                    << contactsAreOurs
+                       (
+                           kind::wallFunctionWithContacts, type
+                       ).c_str()
                     << exit(FatalIOError);
             }
         }
@@ -115,13 +127,13 @@ void refuseWithContacts(const dictionary& properties, const polyMesh& mesh)
 {
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        if (patch.type() == "cyclicAMI" || patch.type() == "cyclicACMI")
+        if (honoured::isRefused(kind::patchWithContacts, patch.type()))
         {
             FatalErrorInFunction
                 << "constant/polyMesh/boundary: " << patch.name() << ": '"
-                << patch.type() << "': contacts do not reach across it;"
-                << " allowed: cyclic, or collisionModel none in "
-                << properties.name() << exit(FatalError);
+                << patch.type() << "': "
+                << honoured::find(kind::patchWithContacts, patch.type())->why
+                << " in " << properties.name() << exit(FatalError);
         }
     }
     refuseInteractions(properties, mesh);

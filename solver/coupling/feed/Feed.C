@@ -55,7 +55,10 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     name(name),
     density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
     sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
-    massFraction(readAtLeast(dict, "massFraction", 0)),
+    massFraction
+    (
+        dict.found("massFraction") ? readAtLeast(dict, "massFraction", 0) : 1
+    ),
     focus(0),
     sizes(dict.subDict("sizeDistribution"))
 {
@@ -90,6 +93,14 @@ void Feed::readMaterials()
         {
             FatalIOErrorInFunction(dict)
                 << e.keyword() << " is not a dictionary of a material"
+                << exit(FatalIOError);
+        }
+        // The tables have rows of these names
+        if (e.keyword() == "all" || e.keyword().find(',') != string::npos)
+        {
+            FatalIOErrorInFunction(dict)
+                << "a material is named " << e.keyword()
+                << ", allowed: another word, without commas"
                 << exit(FatalIOError);
         }
         materials_.set(n, new Material(e.keyword(), e.dict()));

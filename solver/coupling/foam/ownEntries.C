@@ -16,7 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <set>
+#include <regex>
 #include <vector>
 
 namespace Foam
@@ -138,10 +138,10 @@ std::string withoutComments(std::istream& file)
 
 
 //- Names of the entries that stand in a file itself, outside of all brackets
-std::set<std::string> keysOf(const fileName& path)
+std::vector<std::string> keysOf(const fileName& path)
 {
     std::ifstream file(path);
-    std::set<std::string> keys;
+    std::vector<std::string> keys;
     std::string word;
     label depth = 0;
     bool first = true;      // word of an entry
@@ -155,7 +155,7 @@ std::set<std::string> keysOf(const fileName& path)
         }
         if (!word.empty() && depth == 0 && first)
         {
-            keys.insert(word);
+            keys.push_back(word);
             first = false;
         }
         word.clear();
@@ -177,6 +177,12 @@ fileName fileOf(const dictionary& wholeFile)
     // case/processor0/constant/feed
     const fileName folder(path.path());
     return folder.path().path()/folder.name()/path.name();
+}
+
+
+bool has(const wordList& names, const word& name)
+{
+    return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 
@@ -217,6 +223,42 @@ std::string listed(const wordList& names)
 }
 
 
+wordList topLevelKeys(const fileName& file)
+{
+    DynamicList<word> keys;
+    for (const std::string& key : keysOf(file))
+    {
+        keys.append(word(key, false));
+    }
+    return wordList(std::move(keys));
+}
+
+
+wordList includedFiles(const fileName& path)
+{
+    std::ifstream file(path);
+    DynamicList<word> names;
+    std::string line;
+    const std::regex include
+    (
+        "\\s*#\\s*s?include(IfPresent)?\\s+\"([^\"]*)\".*"
+    );
+    while (std::getline(file, line))
+    {
+        std::smatch found;
+        if
+        (
+            line.find('#') != std::string::npos
+         && std::regex_match(line, found, include)
+        )
+        {
+            names.append(word(found[2], false));
+        }
+    }
+    return wordList(std::move(names));
+}
+
+
 void requireEntries(const dictionary& dict, const wordList& allowed)
 {
     for (const entry& e : dict)
@@ -232,7 +274,7 @@ void requireEntries(const dictionary& dict, const wordList& allowed)
 bool standsIn(const dictionary& wholeFile, const word& name)
 {
     bool stands =
-        Pstream::master() && keysOf(fileOf(wholeFile)).count(name) > 0;
+        Pstream::master() && has(topLevelKeys(fileOf(wholeFile)), name);
     elutriaBroadcast(stands);
     return stands;
 }
@@ -250,10 +292,10 @@ void requireOwnEntries(const dictionary& dict, const ownDictionary kind)
     {
         return;
     }
-    const std::set<std::string> keys(keysOf(fileOf(dict)));
+    const wordList keys(topLevelKeys(fileOf(dict)));
     for (const entry& e : dict)
     {
-        if (!isAllowed(e.keyword(), allowed) && keys.count(e.keyword())
+        if (!isAllowed(e.keyword(), allowed) && has(keys, e.keyword())
          && e.keyword() != "FoamFile")
         {
             refuse(dict, e, allowed);

@@ -194,7 +194,6 @@ CHANGES = [
     ("min 300e-6", "min -300e-6", "sizeDistribution/min"),
     ("type RosinRammler", "type RosinRamler", "did you mean 'RosinRammler'"),
     ("loading $loading", "loading nan", "loading"),
-    ("loading $loading;", "", "either 'loading X;'"),
     ("seed $seed", "seed 1.5", "whole number"),
     ("quartz", "all", "cannot be a material"),
     ("duration $feedTime", "duration 0", "duration"),

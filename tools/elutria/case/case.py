@@ -25,12 +25,15 @@ from elutria.openfoam.dictionary import (
     set_entry,
 )
 from elutria.openfoam.mesh import check_mesh
+from elutria.openfoam.own_mesh import is_stale, keeps_mesh
 from elutria.physics.drag import Gas
 from elutria.physics.laws import drag_title
 
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
+CLOUD = "constant/kinematicCloudProperties"
+"""Of the cloud that the solver takes unless it is told another's name."""
 MESH_SCRIPTS = ("Allmesh", "Allrun.pre")
 """What makes a case's mesh otherwise than blockMesh alone; the first that is there."""
 
@@ -122,7 +125,7 @@ class Case:
 
     def gravity(self) -> float:
         """Magnitude of constant/g, m/s2."""
-        entries = self.dictionary("constant/g")
+        entries = self.dictionary("constant/g", with_included=True)
         size = math.hypot(*entries.numbers("value", 3))
         if not 0 < size <= 1e4:
             raise entries.refuse("value", "a vector of 0 to 1e4 m/s2")
@@ -130,7 +133,7 @@ class Case:
 
     def gas(self) -> Gas:
         """Density and viscosity of the gas, from constant/transportProperties."""
-        entries = self.dictionary("constant/transportProperties")
+        entries = self.dictionary("constant/transportProperties", with_included=True)
         phase = next((entries.word(k) for k in ("continuousPhase", "continuousPhaseName")
                       if k in entries), "air")  # fmt: skip
         name = next((k for k in (f"rho.{phase}", "rho", "rhoInf") if k in entries), f"rho.{phase}")
@@ -156,20 +159,14 @@ class Case:
         return forces.sub("nonSphereDrag").number("phi", above=0, at_most=1)
 
     def cloud(self) -> Dictionary:
-        """The cloud's properties."""
-        found = sorted((self.path / "constant").glob("*CloudProperties"))
-        if not found:
-            raise InputError(
-                f"{self.path / 'constant/kinematicCloudProperties'}: file not found; "
-                "every Elutria case has it"
-            )
-        return self.dictionary(f"constant/{found[0].name}")
+        """The properties of the cloud that a run has, whatever others are there."""
+        return self.dictionary(CLOUD, with_included=True)
 
     def patches(self) -> tuple[str, dict[str, str]]:
         """The file that names the mesh's patches, and each with its type; none when not known
         yet."""
         mesh, plan = "constant/polyMesh/boundary", "system/blockMeshDict"
-        if (self.path / mesh).is_file():
+        if (self.path / mesh).is_file() and (self.mesh_script or not is_stale(self.path)):
             source, entries = mesh, read_list(self.path / mesh, self.path)
         elif (
             (self.path / plan).exists() or (self.path / plan).is_symlink()
@@ -185,6 +182,12 @@ class Case:
         """The case's own script that makes the mesh; empty without one."""
         found = [name for name in MESH_SCRIPTS if (self.path / name).is_file()]
         return found[0] if found else ""
+
+    @property
+    def keeps_mesh(self) -> bool:
+        """Whether a run takes constant/polyMesh as it is. Raises InputError where it is not clear
+        whether the mesh is the case's own or an old one."""
+        return not self.mesh_script and keeps_mesh(self.path)
 
     def check_mesh(self) -> None:
         """Raise InputError unless there is a plan of the mesh, or a complete mesh."""
@@ -309,10 +312,10 @@ def _files(case: Path) -> Iterator[Path]:
     """The input files of a case, in a fixed order; the mesh only when nothing makes it."""
     folders = ["0.orig" if (case / "0.orig").is_dir() else "0", "constant", "system"]
     scripts = [case / name for name in MESH_SCRIPTS if (case / name).is_file()]
-    made = (case / "system/blockMeshDict").is_file() or scripts
+    kept = not scripts and keeps_mesh(case)
     paths: list[Any] = [*scripts]
     for folder in folders:
         paths += sorted((case / folder).rglob("*"))
     for path in paths:
-        if path.is_file() and not (made and "polyMesh" in path.parts):
+        if path.is_file() and (kept or "polyMesh" not in path.parts):
             yield path

@@ -59,7 +59,7 @@ class Feed:
 
 def read_feed(case: Path) -> Feed:
     """Read CASE/constant/feed. Raises InputError for the first entry that is not allowed."""
-    entries = read_dictionary(case / "constant" / "feed", case)
+    entries = read_dictionary(case / "constant" / "feed", case, with_included=True)
     entries.refuse_repeated()
     entries.refuse_unknown(ENTRIES)
     outlets = _read_outlets(entries.sub("outlets"))
@@ -105,12 +105,17 @@ def _read_place(entries: Dictionary) -> tuple[str, bool]:
 
 
 def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
-    if ("loading" in entries) == ("massFlowRate" in entries):
+    """Either of both. Where an included file has a variable of the other's name, what stands in
+    constant/feed itself."""
+    names = [name for name in ("loading", "massFlowRate") if name in entries]
+    if len(names) > 1:
+        names = [name for name in names if name in entries.own]
+    if len(names) != 1:
         raise InputError(
             f"{entries.where('loading')}: allowed: either 'loading X;' (kg/kg) or "
             "'massFlowRate X;' (kg/s), one of them"
         )
-    if "loading" in entries:
+    if names == ["loading"]:
         return entries.number("loading", above=0, at_most=1000, unit="kg solids per kg gas"), None
     return None, entries.number("massFlowRate", above=0, at_most=1e6, unit="kg/s")
 

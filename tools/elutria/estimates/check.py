@@ -74,7 +74,8 @@ def _setting(name: str, velocity: float, plan: dict[str, Any]) -> Table:
         patches = ", ".join(outlet["patches"])
         table.add_row(f"{outlet['product']} leave through", patches, "constant/feed")
     patches = ", ".join(f"{patch['name']} ({patch['type']})" for patch in plan["mesh"]["patches"])
-    table.add_row("patches", patches, "the mesh")
+    kept = case.keeps_mesh
+    table.add_row("patches", patches, "constant/polyMesh, as it is" if kept else "the mesh")
     rate = feed["rate_kg_s"]
     grams = _known(None if rate is None else 1e3 * rate, "{:.3g} g/s")
     table.add_row("feed", grams, "constant/feed")

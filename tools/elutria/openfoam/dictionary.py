@@ -1,8 +1,9 @@
 """OpenFOAM dictionaries, read without executing anything, edited without losing a comment.
 
-foamlib parses and edits; here `#include` and `$name` are resolved, because the files that a sweep
-touches use them, and entries are checked as they are taken: type, range, spelling. `#calc`,
-`#codeStream` and the like are never evaluated: an entry that needs one is refused when asked for.
+A case's dictionaries are read by the solver, which is asked (asked.py). Where none is at hand, and
+for files that it does not read, foamlib parses, and `#include` and `$name` are resolved here.
+foamlib edits. Entries are checked as they are taken: type, range, spelling. `#calc`, `#codeStream`
+and the like are never evaluated: an entry that needs one is refused when asked for.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from foamlib import FoamFile
 
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import read_text, writing_to
+from elutria.openfoam.asked import ask
 
 _MISSING = object()
 _TWICE = re.compile(r"Duplicate .* entry for keyword: '?([^' ]+)'? ")
@@ -36,8 +38,11 @@ class Dictionary:
         path: tuple[str, ...] = (),
         included: tuple[str, ...] = (),
         repeated: tuple[str, ...] = (),
+        own: Iterable[str] | None = None,
     ):
         self.entries = dict(entries)
+        self.own = set(self.entries if own is None else own)
+        """Names of the entries that stand in the file itself."""
         self.file = file
         self.path = path
         self.included = included
@@ -142,10 +147,11 @@ class Dictionary:
         return Dictionary(value, self.file, (*self.path, name), self.included)
 
     def refuse_unknown(self, known: Iterable[str]) -> None:
-        """Raise InputError for the first entry that is none of `known`: a misspelling is found."""
+        """Raise InputError for the first entry of the file itself that is none of `known`: a
+        misspelling is found. What it includes belongs to others too."""
         names = list(known)
         for name in self.entries:
-            if name not in names and not str(name).startswith("#"):
+            if name in self.own and name not in names and not str(name).startswith("#"):
                 raise InputError(
                     f"{self.where(str(name))}: unknown entry{suggestion(str(name), names)}; "
                     f"allowed: {', '.join(names)}"
@@ -192,15 +198,60 @@ def read_dictionary(
 ) -> Dictionary:
     """Read a dictionary file with its includes and macros resolved; nothing is executed.
 
-    Entries that an `#include` brought are there for macros only, unless `with_included`.
-    Raises InputError naming the file.
+    The solver reads a case's dictionaries where one is at hand: see asked.py. Entries that an
+    `#include` brought are there for macros only, unless `with_included`. Raises InputError naming
+    the file.
     """
+    shown = _shown(path, case)
+    if case is not None and path.is_relative_to(case):
+        try:
+            asked = ask(case, path.relative_to(case).as_posix())
+        except InputError as refused:
+            named = _undefined(path, case)
+            if named is None:
+                raise
+            raise named from refused
+        if asked is not None:
+            return Dictionary(
+                {k: v for k, v in asked.entries.items() if with_included or k in asked.own},
+                shown,
+                included=tuple(asked.included),
+                repeated=(*asked.repeated, *_repeated(path, shown)),
+                own=asked.own,
+            )
+    return _from_text(path, case, with_included=with_included)
+
+
+def _from_text(path: Path, case: Path | None, *, with_included: bool) -> Dictionary:
     shown = _shown(path, case)
     raw, repeated = _parse(path, shown)
     resolved: dict[str, Any] = {}
     included = _load(raw, path, case, resolved, depth=0)
     entries = {k: v for k, v in resolved.items() if with_included or k in raw}
-    return Dictionary(entries, shown, included=tuple(included), repeated=repeated)
+    own = [key for key in raw if isinstance(key, str)]
+    return Dictionary(entries, shown, included=tuple(included), repeated=repeated, own=own)
+
+
+def _undefined(path: Path, case: Path) -> InputError | None:
+    """The entry with a macro that stands for nothing, of which the solver tells only the macro."""
+    try:
+        _take_all(_from_text(path, case, with_included=True))
+    except InputError as error:
+        return error if "is defined nowhere" in str(error) else None
+    return None
+
+
+def _take_all(entries: Dictionary) -> None:
+    for name, value in entries.entries.items():
+        _take_all(entries.sub(name)) if isinstance(value, Mapping) else entries.raw(name)
+
+
+def _repeated(path: Path, shown: str) -> tuple[str, ...]:
+    """Entries that stand twice in the text, at any depth: of what is read, nobody can tell."""
+    try:
+        return _parse(path, shown)[1]
+    except InputError:  # what foamlib does not read, such as #eval
+        return ()
 
 
 def read_list(path: Path, case: Path | None = None) -> list[Any]:

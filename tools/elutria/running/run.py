@@ -74,7 +74,7 @@ class Goal:
 
 
 def _goal(case: Case, feed: Feed) -> Goal:
-    end = case.dictionary("system/controlDict").number("endTime", 0.0)
+    end = case.dictionary("system/controlDict", with_included=True).number("endTime", 0.0)
     return Goal(case.path, feed.particles, end)
 
 
@@ -167,7 +167,7 @@ def _start(
     marker.write(folder)
     copy.velocity()
     copy.feed()
-    make_mesh(copy)
+    make_mesh(copy, keep=case.keeps_mesh)
     if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
         shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
     if marker.np > 1:
@@ -260,7 +260,7 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
             try:
                 mesh = copy.path / "constant/polyMesh"
                 if number == 0:
-                    make_mesh(copy)
+                    make_mesh(copy, keep=case.keeps_mesh)
                     meshed = mesh
                 elif meshed.is_dir():
                     shutil.copytree(meshed, mesh, dirs_exist_ok=True)
@@ -313,11 +313,12 @@ def _need_programs(np: int) -> None:
             raise InputError(f"{program}: not found on PATH; allowed: after 'source etc/bashrc'")
 
 
-def make_mesh(case: Case) -> None:
-    """The case's own script, blockMesh with a blockMeshDict, else the mesh as it is."""
+def make_mesh(case: Case, *, keep: bool = False) -> None:
+    """The case's own script, blockMesh with a blockMeshDict, else, or to `keep` it, the mesh as it
+    is."""
     if script := case.mesh_script:
         _program([f"./{script}"], case.path, f"log.{script}", refuses=True)
-    elif (case.path / "system/blockMeshDict").is_file():
+    elif not keep and (case.path / "system/blockMeshDict").is_file():
         _program(["blockMesh"], case.path, "log.blockMesh")
     case.check_mesh()
     case.feed()  # its patches, now that the mesh is there

@@ -13,6 +13,7 @@ Description
 #include "gas/GasPhase.H"
 #include "gas/GasClock.H"
 #include "gas/GasState.H"
+#include "foam/digits.H"
 #include "foam/UnsoundStep.H"
 #include "foam/Warnings.H"
 #include "profiling.H"
@@ -38,15 +39,6 @@ constexpr label mostStepsToStart = 1000;
 
 //- Share of a passage that is a step then
 constexpr scalar largestPassage = 0.1;
-
-
-std::string digits(const scalar value)
-{
-    OStringStream text;
-    text.precision(3);
-    text<< value;
-    return text.str();
-}
 
 } // End anonymous namespace
 
@@ -100,9 +92,9 @@ void GasPhase::warnOfViscosity(const scalar dt) const
         Warnings::add
         ({
             "viscosity", "viscosity diffuses momentum over many cells in a step",
-            digits(sqrt(most)) + " cells in a gas step of " + digits(dt)
-          + " s, allowed: " + digits(sqrt(largestDiffusion)),
-            "set deltaT to at most " + digits(largestDiffusion/most*dt) + " s",
+            threeDigits(sqrt(most)) + " cells in a gas step of " + threeDigits(dt)
+          + " s, allowed: " + threeDigits(sqrt(largestDiffusion)),
+            "set deltaT to at most " + threeDigits(largestDiffusion/most*dt) + " s",
             most
         });
     }
@@ -191,10 +183,10 @@ tmp<volVectorField> GasPhase::advance
         Warnings::add
         ({
             "gasCourant", "the gas crosses many cells in each part of its step",
-            digits(asked*courant/steps) + " cells in each of the "
-          + std::to_string(steps) + " parts of " + digits(dt)
-          + " s, allowed: " + digits(courant) + " (gasCourant)",
-            "set deltaT to at most " + digits(dt*steps/asked) + " s", asked
+            threeDigits(asked*courant/steps) + " cells in each of the "
+          + std::to_string(steps) + " parts of " + threeDigits(dt)
+          + " s, allowed: " + threeDigits(courant) + " (gasCourant)",
+            "set deltaT to at most " + threeDigits(dt*steps/asked) + " s", asked
         });
     }
     warnOfViscosity(dt/steps);
@@ -308,8 +300,9 @@ scalar GasPhase::converge
         passed += dt;
     }
 
-    Info<< "elutria: gas settled in " << steps << " steps, " << passed/through
-        << " passes; change per pass " << change
+    Info<< "elutria: gas settled in " << steps << " steps, "
+        << threeDigits(passed/through).c_str() << " passes; change per pass "
+        << threeDigits(change).c_str()
         << (change > tolerance ? " (not below " : " (below ") << tolerance
         << ")" << endl;
     if (change > tolerance)
@@ -317,9 +310,9 @@ scalar GasPhase::converge
         Warnings::add
         ({
             "gasNotSettled", "the gas has not settled without particles",
-            "it changes by " + digits(100*change) + " % a pass after "
-          + digits(passed/through) + " passes, allowed: "
-          + digits(100*tolerance) + " %",
+            "it changes by " + threeDigits(100*change) + " % a pass after "
+          + threeDigits(passed/through) + " passes, allowed: "
+          + threeDigits(100*tolerance) + " %",
             "nothing: it is solved in every step; or a finer or steadier inlet",
             change
         });

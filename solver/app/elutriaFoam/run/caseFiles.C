@@ -6,6 +6,8 @@
 \*---------------------------------------------------------------------------*/
 
 #include "run/caseFiles.H"
+#include "foam/digits.H"
+#include "foam/honoured.H"
 #include "IOdictionary.H"
 #include "OSspecific.H"
 #include "Time.H"
@@ -20,40 +22,12 @@ namespace Foam
 namespace
 {
 
-//- Read by the run; PHASE and CLOUD stand for the case's own names
-const char* const readFiles[] =
-{
-    "constant/g",
-    "constant/transportProperties",
-    "constant/turbulenceProperties.PHASE",
-    "constant/feed",
-    "constant/CLOUDProperties",
-    "constant/CLOUDPositions",
-    "constant/fvOptions",
-    "system/controlDict",
-    "system/fvSchemes",
-    "system/fvSolution",
-    "system/fvOptions",
-    "system/scenePlan",
-    "system/decomposeParDict"
-};
+//- Bytes of a dictionary of settings, and of what a field's file says beside
+//  its values
+constexpr off_t longestDictionary = 5000000;
 
-//- Of programs that make the mesh or evaluate a run
-const char* const otherPrograms[] =
-{
-    "system/.*MeshDict.*",
-    "system/meshDict",
-    "system/meshQualityDict.*",
-    "system/surface.*Dict.*",
-    "system/topoSetDict.*",
-    "system/create.*Dict.*",
-    "system/.*ExtrudeMesh.*",
-    "system/setFieldsDict.*",
-    "system/mapFieldsDict.*",
-    "system/changeDictionaryDict.*",
-    "system/sample.*",
-    "constant/.*\\.(stl|obj|vtk|eMesh|stlb|nas)(\\.gz)?"
-};
+//- Bytes of a cell's or a face's value in a field's file
+constexpr off_t longestValue = 1000;
 
 
 dictionary fileIfThere(const fvMesh& mesh, const word& name)
@@ -67,17 +41,37 @@ dictionary fileIfThere(const fvMesh& mesh, const word& name)
 }
 
 
+//- With the reason that the list of what is honoured has
 [[noreturn]] void refuseEntry
 (
     const fvMesh& mesh,
     const word& name,
-    const string& why
+    const string& found
 )
 {
+    const fileName file(mesh.time().constant()/name);
     FatalErrorInFunction
-        << (mesh.time().constant()/name).c_str() << ": " << why.c_str()
-        << exit(FatalError);
+        << file.c_str() << ": " << found.c_str()
+        << honoured::find(honoured::kind::file, file)->why << exit(FatalError);
     std::abort();
+}
+
+
+void refuseLonger
+(
+    const fileName& file,
+    const off_t most,
+    const char* const allowed
+)
+{
+    const off_t bytes = fileSize(file);
+    if (bytes > most)
+    {
+        FatalErrorInFunction
+            << file.c_str() << ": has " << threeDigits(1e-6*bytes).c_str()
+            << " MB; allowed: " << threeDigits(1e-6*most).c_str() << " MB, "
+            << allowed << exit(FatalError);
+    }
 }
 
 
@@ -90,15 +84,26 @@ string textOf(const fileName& file)
 }
 
 
-//- Files of a folder of the case, as folder/name
-wordList filesOf(const fileName& root, const word& folder)
+//- Leave the files that the text does not name; what a named one names is named
+void dropNamed(DynamicList<word>& files, const fileName& root, string text)
 {
-    DynamicList<word> found;
-    for (const fileName& name : readDir(root/folder))
+    for (label before = -1; before != files.size();)
     {
-        found.append(word(folder + '/' + name, false));
+        before = files.size();
+        DynamicList<word> still;
+        for (const word& file : files)
+        {
+            if (text.find(fileName(file).name()) == string::npos)
+            {
+                still.append(file);
+            }
+            else
+            {
+                text += textOf(root/file);
+            }
+        }
+        files.transfer(still);
     }
-    return wordList(std::move(found));
 }
 
 } // End anonymous namespace
@@ -113,13 +118,7 @@ void caseFiles::refuse(const fvMesh& mesh)
     {
         if (zone.isDict() && zone.dict().getOrDefault("active", true))
         {
-            refuseEntry
-            (
-                mesh, "MRFProperties",
-                zone.keyword() + ": elutriaFoam has no rotating zones;"
-                " allowed: active no, or no such file. Walls may have a"
-                " velocity (the field U)"
-            );
+            refuseEntry(mesh, "MRFProperties", zone.keyword() + ": ");
         }
     }
     const word motion
@@ -131,10 +130,65 @@ void caseFiles::refuse(const fvMesh& mesh)
     {
         refuseEntry
         (
-            mesh, "dynamicMeshDict",
-            "dynamicFvMesh: '" + motion + "'; allowed: staticFvMesh, since"
-            " elutriaFoam moves no mesh. Walls may have a velocity (the field"
-            " U)"
+            mesh, "dynamicMeshDict", "dynamicFvMesh: '" + motion + "'; "
+        );
+    }
+}
+
+
+wordList caseFiles::filesOf(const fileName& root, const word& folder)
+{
+    DynamicList<word> found;
+    for (const fileName& name : readDir(root/folder))
+    {
+        found.append(word(folder + '/' + name, false));
+    }
+    return wordList(std::move(found));
+}
+
+
+void caseFiles::refuseHugeDictionary(const fileName& file)
+{
+    refuseLonger(file, longestDictionary, "a dictionary of settings");
+}
+
+
+void caseFiles::refuseHuge(const fileName& root)
+{
+    for (const char* const folder : {"constant", "system"})
+    {
+        for (const word& file : filesOf(root, folder))
+        {
+            for (const honoured::Item& item : honoured::items())
+            {
+                const wordRe name
+                (
+                    honoured::named(item, ".*", ".*"), wordRe::REGEX
+                );
+                if
+                (
+                    item.of == honoured::kind::file
+                 && item.is == honoured::use::works && name.match(file)
+                )
+                {
+                    refuseHugeDictionary(root/file);
+                }
+            }
+        }
+    }
+}
+
+
+void caseFiles::refuseHugeFields(const fvMesh& mesh)
+{
+    const fileName folder(mesh.time().timePath());
+    const off_t values = mesh.nCells() + mesh.nFaces();
+    for (const fileName& name : readDir(folder))
+    {
+        refuseLonger
+        (
+            folder/name, longestDictionary + longestValue*values,
+            "what a field of this mesh holds"
         );
     }
 }
@@ -148,49 +202,38 @@ wordList caseFiles::unused
 )
 {
     const fileName root(mesh.time().globalPath());
-    const fileName fields(mesh.time().timePath());
     wordRes known;
     string text;
-    for (string name : readFiles)
+    for (const honoured::Item& item : honoured::items())
     {
-        name.replaceAll("PHASE", phase).replaceAll("CLOUD", cloud);
-        known.append(wordRe(name, wordRe::LITERAL));
-        text += textOf(root/name);
-    }
-    for (const char* const pattern : otherPrograms)
-    {
-        known.append(wordRe(pattern, wordRe::REGEX));
-    }
-    const bool first = mesh.time().timeIndex() == 0;    // later ones we wrote
-    const fileNameList inTime(first ? readDir(fields) : fileNameList());
-    for (const fileName& name : inTime)
-    {
-        text += textOf(fields/name);
-    }
-
-    // A file that a used one includes, or names, is used too
-    DynamicList<word> left(filesOf(root, "constant"));
-    left.append(filesOf(root, "system"));
-    for (label before = -1; before != left.size();)
-    {
-        before = left.size();
-        DynamicList<word> still;
-        for (const word& file : left)
+        if (item.of == honoured::kind::file && item.is != honoured::use::refused)
         {
-            if (known.match(file))
+            const word name(honoured::named(item, cloud, phase), false);
+            known.append(wordRe(name, wordRe::REGEX));
+            text += item.is == honoured::use::works ? textOf(root/name) : "";
+        }
+    }
+    DynamicList<word> left;
+    for (const char* const folder : {"constant", "system"})
+    {
+        for (const word& file : filesOf(root, folder))
+        {
+            if (!known.match(file))
             {
-                continue;
-            }
-            if (text.find(fileName(file).name()) == string::npos)
-            {
-                still.append(file);
-            }
-            else
-            {
-                text += textOf(root/file);
+                left.append(file);
             }
         }
-        left.transfer(still);
+    }
+    dropNamed(left, root, text);
+
+    // Fields of the start are read as text only where something is left that
+    // one of them may name. Later ones we wrote.
+    const fileName fields(mesh.time().timePath());
+    const bool first = mesh.time().timeIndex() == 0;
+    const fileNameList inTime(first ? readDir(fields) : fileNameList());
+    for (const fileName& name : left.empty() ? fileNameList() : inTime)
+    {
+        dropNamed(left, root, textOf(fields/name));
     }
     for (const fileName& field : inTime)
     {

@@ -98,6 +98,19 @@ void exitHandling::caseIsRead()
 }
 
 
+std::string exitHandling::described(const IOerror& error)
+{
+    std::ostringstream text;
+    text<< error.ioFileName();
+    if (error.ioStartLineNumber() >= 0)
+    {
+        text<< " line " << error.ioStartLineNumber();
+    }
+    text<< ": " << error.message();
+    return onOneLine(text.str());
+}
+
+
 int exitHandling::guarded(const std::function<void()>& work)
 {
     FatalError.throwExceptions();
@@ -110,14 +123,7 @@ int exitHandling::guarded(const std::function<void()>& work)
     }
     catch (const IOerror& error)
     {
-        std::ostringstream text;
-        text<< error.ioFileName();
-        if (error.ioStartLineNumber() >= 0)
-        {
-            text<< " line " << error.ioStartLineNumber();
-        }
-        text<< ": " << error.message();
-        end(text.str(), caseAtFault);
+        end(described(error), caseAtFault);
     }
     catch (const error& error)
     {

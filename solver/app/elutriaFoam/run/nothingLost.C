@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "run/nothingLost.H"
+#include "foam/digits.H"
 #include "cloud/ElutriaCloud.H"
 #include "foam/foamVersion.H"
 
@@ -26,8 +27,8 @@ void requireNothingLost(const fvMesh& mesh, const ElutriaCloud& cloud)
     if (ledger.lost().parcels == lost)
     {
         text<< ", " << ledger.lost().mass << " kg ("
-            << 100*ledger.lost().mass/ledger.injectedMass()
-            << " % of the feed)";
+            << percent(ledger.lost().mass/ledger.injectedMass()).c_str()
+            << " of the feed)";
     }
     text<< " are in no product and not inside";
     forAll(gone, patchi)

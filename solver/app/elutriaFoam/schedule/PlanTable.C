@@ -14,20 +14,6 @@
 namespace Foam
 {
 
-std::string threeDigits(const scalar value)
-{
-    std::ostringstream text;
-    text << std::setprecision(3) << value;
-    return text.str();
-}
-
-
-std::string percent(const scalar share)
-{
-    return threeDigits(100*share) + " %";
-}
-
-
 PlanTable::PlanTable(const std::string& title)
 {
     Info<< nl << title.c_str() << nl;

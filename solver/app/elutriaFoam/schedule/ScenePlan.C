@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "schedule/ScenePlan.H"
+#include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "globalMeshData.H"
 #include "IOField.H"
@@ -360,7 +361,7 @@ void ScenePlan::gasSolved(const scalar window, const scalar change)
     {
         toldInterval_ = interval_;
         Info<< "Scene plan: the gas is now due every " << interval_
-            << " steps, its velocity changed by " << 100*change << " %" << endl;
+            << " steps, its velocity changed by " << percent(change).c_str() << endl;
     }
 }
 

@@ -10,7 +10,9 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "schedule/ScenePlan.H"
+#include "cloud/stockWords.H"
 #include "contacts/ContactEstimate.H"
+#include "foam/ownEntries.H"
 
 namespace Foam
 {
@@ -306,6 +308,19 @@ void ScenePlan::announce
         (
             "spin, history", friction ? "needed" : "skipped",
             friction ? "friction" : "no friction anywhere"
+        );
+    }
+    const wordList idle
+    (
+        cloud.stockMotion()
+      ? wordList() : entriesWithoutEffect(cloud.particleProperties())
+    );
+    if (!idle.empty())
+    {
+        table.row
+        (
+            "without effect", "stock's motion",
+            "solution: " + listed(idle) + ": ours replaces it"
         );
     }
     for (const word& file : unused)

@@ -1,0 +1,181 @@
+"""The tool reads what the solver reads: included entries, defaults, #eval, #ifeq, other clouds, old
+meshes."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from elutria.case.case import PARAMETERS, Case
+from elutria.cli import main
+from elutria.errors import InputError
+from elutria.openfoam.asked import ask
+from elutria.openfoam.dictionary import set_entry
+from elutria.running.run import ask_plan, run_case
+
+FEED, BLOCKS = "constant/feed", "system/blockMeshDict"
+
+
+def edit(case: Path, file: str, old: str, new: str) -> None:
+    text, count = re.subn(old, new, (case / file).read_text())
+    assert count, f"{old} is not in {file}"
+    (case / file).write_text(text)
+
+
+def brief(case: Path) -> None:
+    for entry, value in {"particles": "5", "feedTime": "0.01", "drainTime": "0.001"}.items():
+        set_entry(case / PARAMETERS, entry, value, case)
+
+
+def test_a_mass_flow_rate_of_an_included_file(column: Path) -> None:
+    edit(column, PARAMETERS, r"(?m)^loading .*$", "massFlowRate 3e-4;")
+    edit(column, FEED, r"loading\s+\$loading;", "")
+    assert Case(column).feed().mass_flow_rate == 3e-4
+    assert ask_plan(Case(column))["feed"]["rate_kg_s"] == 3e-4
+
+
+def test_a_mass_flow_rate_beside_an_included_variable_loading(column: Path) -> None:
+    edit(column, FEED, r"loading\s+\$loading;", "massFlowRate 2e-4;")
+    assert Case(column).feed().loading is None
+    assert ask_plan(Case(column))["feed"]["rate_kg_s"] == 2e-4
+
+
+def test_a_mass_fraction_left_out(column: Path) -> None:
+    edit(column, FEED, r"massFraction\s+1;", "")
+    (material,) = Case(column).feed().materials
+    assert material.mass_fraction == 1
+    assert ask_plan(Case(column))["feed"]["materials"][0]["mass_fraction"] == 1
+
+
+def test_eval_and_ifeq_in_feed_and_parameters(column: Path) -> None:
+    edit(column, PARAMETERS, r"(?m)^gasVelocity.*$",
+         "fast yes;\n#ifeq $fast yes\ngasVelocity 6;\n#else\ngasVelocity 3;\n#endif")  # fmt: skip
+    edit(column, FEED, r"velocity\s+\(0.5 0 0\);", "velocity (#eval{ 0.25 * 2 } 0 0);")
+    edit(column, FEED, r"d63\s+900e-6;", "d63 #eval{ 0.3*3e-3 };")
+    case = Case(column)
+    assert case.velocity() == 6
+    assert case.feed().velocity == (0.5, 0, 0)
+    assert case.value(FEED, "materials/quartz/sizeDistribution/d63") == "0.0009"
+    plan = ask_plan(case)
+    assert plan["gas"]["speed_m_s"] == pytest.approx(6)
+
+
+def test_eval_in_the_plan_of_the_mesh(column: Path) -> None:
+    edit(column, BLOCKS, r"scale\s+0.001;", "scale 0.001;\nH 500;\nhalf #eval{ 0.49*$H };")
+    edit(column, BLOCKS, r"\((\d+ +\d+) +245\)", r"(\1 $half)")
+    (name, patches) = Case(column).patches()
+    assert name == BLOCKS
+    assert set(patches) == {"bottom", "top", "feedSlot", "walls"}
+    assert ask_plan(Case(column))["mesh"]["cells"] == 10_000
+
+
+def test_what_would_be_executed_is_not(column: Path) -> None:
+    """The value of #calc and #codeStream is refused where it is asked for, and nowhere else."""
+    made = column / "executed"
+    edit(column, PARAMETERS, r"(?m)^seed .*$",
+         f'seed #calc "system(\\"touch {made}\\")";')  # fmt: skip
+    case = Case(column)
+    assert case.velocity() > 0
+    with pytest.raises(InputError, match="#calc is not evaluated"):
+        case.value(PARAMETERS, "seed")
+    assert not made.exists()
+
+
+def test_another_cloud_beside_the_runs(column: Path) -> None:
+    """coarseCloudProperties comes first by name, but no run reads it."""
+    shutil.copy(
+        column / "constant/kinematicCloudProperties", column / "constant/coarseCloudProperties"
+    )
+    edit(column, "constant/coarseCloudProperties", "SchillerNaumannDrag;", "sphereDrag;")
+    assert Case(column).drag_laws() == ["SchillerNaumannDrag"]
+    plan = ask_plan(Case(column))
+    assert plan["drag"]["forces"][0] == "SchillerNaumannDrag"
+    assert ["not used", "constant/coarseCloudProperties"] in [r[:2] for r in plan["decisions"]]
+
+
+def mesh(case: Path) -> None:
+    subprocess.run(["blockMesh"], cwd=case, check=True, capture_output=True)
+
+
+def test_an_old_mesh_is_made_again(column: Path) -> None:
+    """Its blockMeshDict has been edited since: another name of a patch."""
+    mesh(column)
+    edit(column, BLOCKS, r"bottom\b", "airInlet")
+    edit(column, FEED, r"coarse(\s+)\(bottom\)", r"coarse\1(airInlet)")
+    for field in (column / "0.orig").iterdir():
+        field.write_text(re.sub(r"\bbottom\b", "airInlet", field.read_text()))
+    later = (column / BLOCKS).stat().st_mtime + 5
+    os.utime(column / BLOCKS, (later, later))
+    assert "airInlet" in Case(column).patches()[1]
+    patches = [patch["name"] for patch in ask_plan(Case(column))["mesh"]["patches"]]
+    assert patches == ["airInlet", "top", "feedSlot", "walls"]
+
+
+def narrowed(case: Path) -> None:
+    """A mesh of the case's own beside its blockMeshDict: half as high."""
+    text = (case / BLOCKS).read_text()
+    edit(case, BLOCKS, r"scale\s+0.001;", "scale 0.0005;")
+    mesh(case)
+    (case / BLOCKS).write_text(text)
+    made = (case / "constant/polyMesh/faces").stat().st_mtime
+    os.utime(case / BLOCKS, (made - 10, made - 10))
+
+
+def test_an_own_mesh_beside_a_block_mesh_dict_is_kept(
+    column: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    narrowed(column)
+    case = Case(column)
+    assert case.keeps_mesh
+    height = 0.5 * 0.005
+    assert ask_plan(case)["mesh"]["smallest_cell_m"] == pytest.approx(height)
+    main(["check", str(column)])
+    assert "constant/polyMesh, as it is" in " ".join(capsys.readouterr().out.split())
+    brief(column)
+    run_case(Case(column), tmp_path / "run", [])
+    plan = json.loads((tmp_path / "run/postProcessing/plan.json").read_text())
+    assert plan["mesh"]["smallest_cell_m"] == pytest.approx(height)
+
+
+def test_what_block_mesh_left_is_no_mesh_of_the_cases_own(column: Path) -> None:
+    before = Case(column).fingerprint([])
+    mesh(column)
+    assert not Case(column).keeps_mesh
+    assert Case(column).fingerprint([]) == before
+
+
+def test_a_mesh_that_may_be_old_is_refused(column: Path) -> None:
+    """It is not what blockMesh makes, and a file that the blockMeshDict includes is newer."""
+    edit(column, BLOCKS, r"scale\s+0.001;", '#include "simulationParameters"\nscale 0.001;')
+    narrowed(column)
+    later = (column / "constant/polyMesh/faces").stat().st_mtime + 10
+    os.utime(column / PARAMETERS, (later, later))
+    with pytest.raises(InputError, match="is not what system/blockMeshDict makes"):
+        ask_plan(Case(column))
+
+
+def test_the_solver_prints_what_it_reads(column: Path) -> None:
+    (column / "constant/values").write_text(
+        "FoamFile { version 2.0; format ascii; class dictionary; object values; }\n"
+        '#includeIfPresent "nothing"\nn 3; half 0.5; word a; text "b c"; list (1 (2 3) d);\n'
+        "nu nu [0 2 -1 0 0 0 0] 1.5e-05; deep { again $n; switch on; }\n"
+        "boundary ( top { type patch; faces ((0 1)); } ); big 123456789.125; n 4;\n"
+    )
+    read = ask(column, "constant/values")
+    assert read is not None
+    assert read.entries == {
+        "n": 4, "half": 0.5, "word": "a", "text": '"b c"', "list": [1, [2, 3], "d"],
+        "nu": 1.5e-5, "deep": {"again": 3, "switch": True},
+        "boundary": [("top", {"type": "patch", "faces": [[0, 1]]})], "big": 123456789.125,
+    }  # fmt: skip
+    assert read.repeated == ("n",)
+    assert read.included == ["nothing"]
+    (column / "constant/values").write_text("n $nowhere;\n")
+    with pytest.raises(InputError, match=r"constant/values.*nowhere"):
+        ask(column, "constant/values")

@@ -1,0 +1,111 @@
+"""A case's dictionaries as the solver reads them (`elutriaFoam -dictionaries`).
+
+OpenFOAM resolves included files, macros, `#eval` and `#ifeq`; nothing is executed.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from elutria.errors import InputError, one_line
+from elutria.openfoam.started import started_in
+
+SOLVER = "elutriaFoam"
+_MARK = "elutria: dictionaries "
+_LONGEST_WAIT = 20.0
+"""s; a file of a case is read in milliseconds, an included pipe for ever."""
+_SWITCHES = {"yes": True, "on": True, "true": True, "no": False, "off": False, "false": False}
+
+
+class Asked:
+    """A dictionary as the solver reads it: `entries`, the names of those that stand in the file
+    itself (`own`, twice where they do), and of the files that it includes."""
+
+    def __init__(self, answer: Mapping[str, Any]):
+        self.entries: dict[str, Any] = _value(answer["entries"])
+        self.own: list[str] = answer["own"]
+        self.included: list[str] = answer["included"]
+
+    @property
+    def repeated(self) -> tuple[str, ...]:
+        """Entries that the file has more than once."""
+        return tuple(name for name in dict.fromkeys(self.own) if self.own.count(name) > 1)
+
+
+def ask(case: Path, file: str) -> Asked | None:
+    """What the solver reads in a `file` of a case, such as ``constant/feed``; None where no solver
+    is at hand, or the file is none that it reads as a dictionary. Raises InputError with the
+    solver's reason where it refuses the file."""
+    program = shutil.which(SOLVER)
+    if program is None or not re.fullmatch(r"(constant|system)/[^/]+", file):
+        return None
+    answer = _answers(program, case.resolve(), _state(case)).get(file)
+    if answer is None:
+        return None
+    if "error" in answer:
+        raise InputError(_shown(answer["error"], case, file))
+    return Asked(answer)
+
+
+def _state(case: Path) -> tuple[object, ...]:
+    """What tells that a case's dictionaries have not changed."""
+    files = [*case.glob("constant/*"), *case.glob("system/*")]
+    stats = [(path.name, path.stat()) for path in sorted(files) if path.is_file()]
+    return tuple((name, stat.st_mtime_ns, stat.st_size, stat.st_ino) for name, stat in stats)
+
+
+@lru_cache(maxsize=256)
+def _answers(program: str, case: Path, _files: tuple[object, ...]) -> dict[str, dict[str, Any]]:
+    try:
+        with started_in(case, [program, "-dictionaries"]) as command:
+            said = subprocess.run(
+                command, cwd=case, capture_output=True, text=True, errors="replace", check=False,
+                stdin=subprocess.DEVNULL, timeout=_LONGEST_WAIT,
+            ).stdout  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise InputError(
+            f"{case}: a dictionary takes more than {_LONGEST_WAIT:g} s to read; allowed: files that"
+            " end"
+        ) from error
+    except OSError:
+        return {}
+    _, mark, text = said.partition(_MARK)
+    try:
+        answers: dict[str, dict[str, Any]] = json.loads(text) if mark else {}
+    except (json.JSONDecodeError, RecursionError):
+        return {}
+    return answers
+
+
+def _shown(reason: str, case: Path, file: str) -> str:
+    """The solver's reason, with names of files as the tool says them."""
+    name = case.resolve().name
+    said = reason.replace(f"{case.resolve()}/", f"{name}/")
+    said = re.sub(r"[^\s\"]*/(?=(?:constant|system)/)", lambda _: f"{name}/", said)
+    return one_line(said if Path(file).name in said else f"{name}/{file}: {said}", 400)
+
+
+def _value(item: Any) -> Any:
+    """A value of the answer as a parser of text would give it."""
+    if isinstance(item, str):
+        # the name of what was not executed comes as a quoted text
+        return item.strip('"') if item.startswith('"#') else _SWITCHES.get(item, item)
+    if isinstance(item, list):
+        for at, part in enumerate(item):
+            if isinstance(part, dict) and "[]" in part:  # dimensions, which come before a value
+                rest = [_value(value) for value in item[at + 1 :]]
+                return rest[0] if len(rest) == 1 else rest
+        return [_value(part) for part in item]
+    if isinstance(item, dict):
+        if "{}" in item:  # a dictionary in a list
+            name, entries = item["{}"]
+            return name, _value(entries)
+        return {name: _value(part) for name, part in item.items()}
+    return item
