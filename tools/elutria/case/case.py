@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from elutria.case.feed import Feed, read_feed
+from elutria.case.feed import Feed, Material, read_feed
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
 from elutria.openfoam.dictionary import (
@@ -26,7 +26,7 @@ from elutria.openfoam.dictionary import (
 )
 from elutria.openfoam.mesh import check_mesh
 from elutria.physics.drag import Gas
-from elutria.physics.laws import drag_title
+from elutria.physics.laws import Grain, drag_title
 
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
@@ -154,6 +154,11 @@ class Case:
         if "nonSphereDrag" not in forces:
             return None
         return forces.sub("nonSphereDrag").number("phi", above=0, at_most=1)
+
+    def grain(self, material: Material) -> Grain:
+        """A material's grains as the case's drag takes them."""
+        shape = self.drag_sphericity()
+        return material.grain if shape is None else Grain(material.grain.density, shape)
 
     def cloud(self) -> Dictionary:
         """The cloud's properties."""
