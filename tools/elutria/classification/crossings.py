@@ -88,14 +88,17 @@ def write_crossings(run: Path, to: Path, partition_to: str) -> bool:
 def _classes(counted: Counted) -> Iterator[tuple[Row, pd.DataFrame, pd.DataFrame]]:
     """Of each material and size class its key, its parcels that left, and their crossings."""
     parcels = counted.parcels
-    number = np.floor(np.log10(parcels["diameter_m"]) * CLASSES_PER_DECADE + 1e-9)
-    for (material, index), members in parcels.groupby([parcels["material"], number]):
-        key = {
-            "material": material,
-            "diameter_low_m": 10 ** (index / CLASSES_PER_DECADE),
-            "diameter_high_m": 10 ** ((index + 1) / CLASSES_PER_DECADE),
-        }
-        yield key, members, counted.crossings[counted.crossings["id"].isin(members.index)]
+    number = np.floor(np.log10(parcels["diameter_m"].to_numpy()) * CLASSES_PER_DECADE + 1e-9)
+    names = parcels["material"].to_numpy()
+    for material in sorted(set(names.tolist())):
+        for index in np.unique(number[names == material]).tolist():
+            members = parcels[(names == material) & (number == index)]
+            key = {
+                "material": material,
+                "diameter_low_m": 10 ** (index / CLASSES_PER_DECADE),
+                "diameter_high_m": 10 ** ((index + 1) / CLASSES_PER_DECADE),
+            }
+            yield key, members, counted.crossings[counted.crossings["id"].isin(members.index)]
 
 
 def _mass(rows: pd.DataFrame, parcels: pd.DataFrame) -> Array:
