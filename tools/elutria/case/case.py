@@ -233,7 +233,9 @@ class Case:
 
         def skip(where: str, names: list[str]) -> set[str]:
             skipped = set(shutil.ignore_patterns(*_LEFT_BEHIND)(where, names))
-            if Path(where) == self.path:
+            if Path(where) != self.path:  # tables of a result lie at the top, others are input
+                skipped -= {name for name in names if name.endswith(".csv")}
+            else:
                 skipped |= {n for n in names if _is_time(n) and not (keep_zero and n == "0")}
             return skipped
 
