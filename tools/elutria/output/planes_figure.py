@@ -31,7 +31,7 @@ def planes_figure(zones: Sequence[Row], stages: Sequence[Row]) -> Figure:
     held.set_xlabel("zone, 0 below the lowest plane")
     held.set_ylabel("stay of a grain  (s)")
     held.set_yscale("symlog", linthresh=0.01)
-    held.legend(frameon=False, ncols=len(chosen))
+    held.legend(frameon=False, ncols=len(chosen), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     size = [1e6 * _middle(row) for row in stages]
     shares.errorbar(
         size, [row["partition"] for row in stages],
@@ -42,10 +42,11 @@ def planes_figure(zones: Sequence[Row], stages: Sequence[Row]) -> Figure:
         size, [row["partition_by_stages"] for row in stages], "-", color="C0", label="equal stages"
     )
     size_axis(shares, 0.95 * min(size), 1.05 * max(size))
+    shares.set_ylim(-0.05, 1.05)
     shares.set_xlabel("diameter  (µm)")
     shares.set_ylabel("share to the last product")
     shares.legend(frameon=False)
-    held.set_title(material, fontsize="medium")
+    figure.suptitle(material, fontsize="medium")
     return figure
 
 
