@@ -58,7 +58,10 @@ def accounts_close(case: Path, measured: Note) -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", list(COARSE))
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if n == "hood" else n for n in COARSE],
+)
 def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: str) -> None:
     case = run(
         name, tmp_path / "run", **COARSE[name], particles=100, feedTime=0.2, drainTime=1
