@@ -314,7 +314,9 @@ def test_every_word_that_an_entry_may_be_is_in_the_manual() -> None:
 
 OWN_DICTIONARIES = {
     "feed": "constant/feed",
+    "planes": "planes",
     "material": "materials / NAME",
+    "measuredVelocity": "materials / NAME / measuredVelocity",
     "selfInducedVelocity": "selfInducedVelocity",
     "ownWake": "selfInducedVelocity",
     "spreading": "spreading",

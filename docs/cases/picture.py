@@ -20,7 +20,7 @@ TICKS = (20, 50, 100, 200, 500, 1000, 2000)
 
 
 def middle_cells(run: Path) -> tuple[NDArray[np.int64], list[NDArray[np.float64]]]:
-    """Cells of the middle layer along y, and their outlines (x, z), mm."""
+    """Cells that the middle plane along y cuts, and their outlines (x, z), mm."""
 
     def body(name: str) -> str:
         return (run / "constant/polyMesh" / name).read_text().partition("}")[2]
@@ -35,9 +35,10 @@ def middle_cells(run: Path) -> tuple[NDArray[np.int64], list[NDArray[np.float64]
         for face, cell in zip(faces, re.findall(r"\d+", body(name))[1:], strict=False):
             corners.setdefault(int(cell), set()).update(face)
     cells = np.array(sorted(corners))
-    mean = np.array([points[list(corners[cell]), 1].mean() for cell in cells])
-    layers = np.unique(mean.round(6))
-    chosen = cells[np.abs(mean - layers[len(layers) // 2]) < 1e-5]
+    along = [points[list(corners[cell]), 1] for cell in cells]
+    layers = np.unique(np.array([y.mean() for y in along]).round(6))
+    middle = layers[len(layers) // 2]
+    chosen = cells[[y.min() <= middle < y.max() for y in along]]
     outlines = []
     for cell in chosen:
         flat = np.unique(

@@ -32,6 +32,7 @@ COARSE = {
                 "gasVelocity": 4},
     "manganese": {"cellsWide": 4, "cellsDeep": 4, "cellsBelow": 20, "cellsSlot": 1,
                   "cellsAbove": 20},
+    "hood": {"cellSize": 0.012},
     "cascade": {"cellSize": 0.012, "shelfThickness": 0.012, "shelves": 3, "feedShelf": 2},
 }  # fmt: skip
 """Meshes on which a case starts in seconds; their numbers are not to be believed."""
@@ -57,7 +58,10 @@ def accounts_close(case: Path, measured: Note) -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", list(COARSE))
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow) if n == "hood" else n for n in COARSE],
+)
 def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: str) -> None:
     case = run(
         name, tmp_path / "run", **COARSE[name], particles=100, feedTime=0.2, drainTime=1
@@ -67,7 +71,8 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
     tables = classify(finished, 5.0, 1.0)
     assert len(tables.summary) == len(finished.accounts)
     left = finished.events.select(finished.events.has_left)
-    sizes = [np.median(left.diameter[left.outlet == name]) for name in finished.events.products]
+    products = (finished.events.products[0], finished.events.partition_to)
+    sizes = [np.median(left.diameter[left.outlet == name]) for name in products]
     assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
 
 
@@ -109,6 +114,33 @@ def test_the_zigzag_is_what_its_parameters_say(tmp_path: Path, stages: int) -> N
     assert "Mesh OK" in said.stdout
 
 
+def test_the_hood_is_what_its_surface_says(tmp_path: Path) -> None:
+    """snappyHexMesh fills the surface: its volume is that of the cylinder and the ducts up to it,
+    its openings have their areas, and it has no patch else."""
+    folder = tmp_path / "case"
+    case = Case(project_root() / "cases/hood").copy_to(folder, settings(cellSize=0.008))
+    make_mesh(case)
+    said = subprocess.run(
+        ["checkMesh"], cwd=folder, capture_output=True, text=True, check=False
+    ).stdout
+    assert "Mesh OK" in said
+    volume = float(said.split("Total volume = ")[1].split()[0].rstrip("."))
+    radius, end = 0.05, 0.08
+
+    def duct(low: float, high: float, tall: float) -> float:
+        """From the cylinder's wall out to the end, between two distances from the axis."""
+        across = np.linspace(low, high, 1001)
+        return tall * float(np.trapezoid(end - np.sqrt(radius**2 - across**2), across))
+
+    ducts = duct(-0.02, 0.02, 0.04) + duct(0.025, 0.05, 0.04) + duct(-0.02, 0.02, 0.03)
+    # 2 %: a circle by cells of a twelfth of its diameter, and rounded edges
+    assert volume == pytest.approx(np.pi * radius**2 * 0.4 + ducts, rel=0.02)
+    boundary = (folder / "constant/polyMesh/boundary").read_text(errors="replace")
+    for name in ("walls", "bottom", "top", "sideInlet", "tangentialInlet", "sideOutlet"):
+        assert f"    {name}\n" in boundary, name
+    assert boundary.count("nFaces") == 6
+
+
 @pytest.mark.parametrize(
     "name, entry, value, allowed",
     [
@@ -122,6 +154,9 @@ def test_the_zigzag_is_what_its_parameters_say(tmp_path: Path, stages: int) -> N
         ("grating", "barWidth", 0.016, "barWidth: 0.016; allowed"),
         ("grating", "barThickness", 0.002, "barThickness: 0.002; allowed: at least cellSize"),
         ("grating", "gratingHeights", "(0.24)", "allowed: gratings of 0.01 m, each clear of"),
+        ("hood", "topRadius", 0.05, "topRadius: 0.05; allowed: below radius, 0.05 m"),
+        ("hood", "sideOutletAt", 0.14, "sideOutletAt: 0.14; allowed: clear of the side inlet"),
+        ("hood", "tangentialInletHeight", 0.5, "tangentialInletHeight: 0.5; allowed"),
         ("cascade", "shelfSpacing", 0.02, "shelfSpacing: 0.02; allowed: at least"),
         ("cascade", "shelfReach", 0.08, "shelfReach: 0.08; allowed"),
     ],

@@ -210,7 +210,7 @@ def sweep(
         console.print(f"{result.skipped} runs were complete before", style="dim")
     if result.ran:
         _say(f"spent by {in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
-    _show(result.tables, wide)
+    _show(result.tables, wide, folder)
     _warn(result.warnings)
     for name in result.imprecise:
         width = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
@@ -252,7 +252,7 @@ def find(
         lines, tables = answer(
             source, folder, (d50, material, vary, most_runs), set_ or [], np, display
         )
-    _show(tables, wide)
+    _show(tables, wide, folder)
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     _plot(folder, formats)
@@ -405,6 +405,7 @@ def _refuse_overlap(case: Path, folder: Path) -> None:
 def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = False) -> list[Row]:
     from elutria.case.case import Case
     from elutria.classification.classify import classify as classify_run
+    from elutria.classification.crossings import write_crossings
     from elutria.classification.events import read_run
     from elutria.estimates.model_error import model_errors
     from elutria.estimates.theory import write_theory
@@ -424,8 +425,9 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     set_tool_warnings(folder, [*labels, *tables.notes])
     write_theory(case, [velocity], to)
     write_gas(to, [({"gas_velocity_m_s": velocity}, folder)])
+    write_crossings(folder, to, run.events.partition_to)
     if not quiet:
-        _show(tables, wide)
+        _show(tables, wide, to)
         _warn({f"{velocity:g} m/s": read_warnings(folder)})
     lost, mass = run.accounts["all"].lost
     if lost:
@@ -446,13 +448,14 @@ def _warn(runs: Mapping[str, list[Warned]]) -> None:
         )
 
 
-def _show(tables: Classification, wide: bool) -> None:
+def _show(tables: Classification, wide: bool, folder: Path) -> None:
+    from elutria.output.plots import read_theory
     from elutria.output.settings import Settings
     from elutria.output.terminal import print_table, summary_table
 
     if tables.summary:
         settings = Settings(tables.summary, tables.partition)
-        table, keys = summary_table(tables.summary, settings, wide)
+        table, keys = summary_table(tables.summary, settings, wide, read_theory(folder))
         print_table(console, table, keys)
         if not wide:
             console.print("every column: summary.csv, or --wide", style="dim")

@@ -17,6 +17,18 @@ PATCH_FLOWS = (
 )  # fmt: skip
 """gas.csv of a run, which the solver writes: a row per inlet or outlet and written time."""
 
+CROSSINGS = (
+    "time_s", "plane", "height_m", "direction", "material", "id", "diameter_m", "n_particle",
+)  # fmt: skip
+"""crossings.csv of a run, which the solver writes: a row per crossing of a plane."""
+
+_CLASS = ("material", "diameter_low_m", "diameter_high_m")
+PLANES = ("plane", "height_m", *_CLASS, "up_number", "up_kg", "down_number", "down_kg")
+ZONES = ("zone", "low_m", "high_m", *_CLASS, "residence_time_s", "holdup_kg_s")
+STAGES = (
+    *_CLASS, "parcels", "steps", "step_up", "partition_by_stages", "partition", "partition_error",
+)  # fmt: skip
+
 GAS = ("gas_velocity_m_s", *PATCH_FLOWS[1:])
 SUMMARY = (
     "gas_velocity_m_s", "material", "d25_m", "d50_m", "d50_low_m", "d50_high_m", "d75_m",

@@ -166,6 +166,10 @@ void ParcelTracking::trackParcel
     // A parcel that slides along walls without end is left where it is
     label attempts = 0;
 
+    // Where the cloud's functions know it to be: slides are told with the next
+    // move
+    point known(p.stepFraction() > 0 ? p.position() : flight.from);
+
     while
     (
         td.keepParticle && !td.switchProcessor && p.stepFraction() < 1
@@ -173,7 +177,6 @@ void ParcelTracking::trackParcel
     )
     {
         const scalar before = p.stepFraction();
-        const point from(before > 0 ? p.position() : flight.from);
         const scalar f = 1 - before;
 
         p.trackToFace
@@ -183,7 +186,8 @@ void ParcelTracking::trackParcel
         const scalar spent = (p.stepFraction() - before)*dt;
         p.age() += spent;
 
-        callPostMove(cloud_.functions(), p, spent, from, td);
+        callPostMove(cloud_.functions(), p, spent, known, td);
+        known = p.position();
         if (!p.onFace())
         {
             continue;
@@ -210,6 +214,10 @@ void ParcelTracking::trackParcel
 
     if (td.keepParticle && !td.switchProcessor)
     {
+        if (p.position() != known)
+        {
+            callPostMove(cloud_.functions(), p, 0, known, td);
+        }
         p.U() = flight.end;
         p.angularMomentum() = p.momentOfInertia()*flight.spin;
     }

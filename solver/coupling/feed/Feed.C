@@ -7,6 +7,7 @@
 
 #include "feed/Feed.H"
 #include "feed/FeedRecord.H"
+#include "feed/grainForm.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
 #include "foam/requirePositive.H"
@@ -54,7 +55,8 @@ Feed::Material::Material(const word& name, const dictionary& dict)
 :
     name(name),
     density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
-    sphericity(dict.getOrDefault<scalar>("sphericity", 1)),
+    measured(readMeasuredDrag(dict, density)),
+    form(readForm(dict)),
     massFraction
     (
         dict.found("massFraction") ? readAtLeast(dict, "massFraction", 0) : 1
@@ -63,11 +65,10 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     sizes(dict.subDict("sizeDistribution"))
 {
     requireOwnEntries(dict, ownDictionary::material);
-    if (!(sphericity > 0 && sphericity <= 1))
+    form.measured = measured.get();
+    if (measured)
     {
-        FatalIOErrorInFunction(dict)
-            << "sphericity is " << sphericity << ", allowed: 0 < value <= 1"
-            << exit(FatalIOError);
+        warnOfSizes(name, *measured, sizes);
     }
 }
 

@@ -52,13 +52,23 @@ scalar Feed::superficialSpeed(const word& phaseName) const
 scalar Feed::settlingSize(const Material& material, const word& phaseName) const
 {
     using namespace elutria::laws;
-    const Drag drag =
-        material.sphericity < 1
-      ? HaiderLevenspiel::CdRe : SchillerNaumann::CdRe;
+    Drag drag = SchillerNaumann::CdRe;
+    if (material.measured)
+    {
+        drag = MeasuredVelocity::CdRe;
+    }
+    else if (material.form.hasAxes())
+    {
+        drag = BagheriBonadonna::CdRe;
+    }
+    else if (material.form.sphericity < 1)
+    {
+        drag = HaiderLevenspiel::CdRe;
+    }
 
     return elutria::laws::settlingSize
     (
-        drag, {material.density, material.sphericity},
+        drag, {material.density, material.form},
         superficialSpeed(phaseName), gas(phaseName), mag(gravity()),
         material.sizes.min(), material.sizes.max()
     );

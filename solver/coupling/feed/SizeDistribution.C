@@ -6,14 +6,12 @@
 \*---------------------------------------------------------------------------*/
 
 #include "feed/SizeDistribution.H"
+#include "foam/caseText.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
 #include "laws/SizeTables.hpp"
-#include "OSspecific.H"
 #include "scalarList.H"
 
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 namespace Foam
@@ -36,22 +34,12 @@ std::vector<double> readNumbers(const dictionary& dict, const word& entry)
 laws::CumulativeCurve readSieveFile(const dictionary& dict)
 {
     const fileName given(dict.get<fileName>("file"));
-    const fileName file(given.isAbsolute() ? given : getEnv("FOAM_CASE")/given);
-    std::ifstream is(file);
-    if (!is)
-    {
-        throw std::invalid_argument
-        (
-            "file " + given + " is not found, allowed: a csv file in the case"
-        );
-    }
-    std::ostringstream text;
-    text << is.rdbuf();
+    const std::string text(caseText(given));
     try
     {
         return laws::sieveTable
         (
-            text.str(), dict.found("min") ? dict.get<scalar>("min") : 0
+            text, dict.found("min") ? dict.get<scalar>("min") : 0
         );
     }
     catch (const std::invalid_argument& refused)

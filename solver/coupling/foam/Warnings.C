@@ -21,6 +21,9 @@ namespace Foam
 namespace
 {
 
+//- Time of what is said while the case is read [s]
+constexpr Foam::scalar beforeTheRun = 0;
+
 const char* const fileOfRun = "warnings.json";
 
 
@@ -108,7 +111,7 @@ void Warnings::enter(const Record& r)
         }
     }
     records_.push_back(r);
-    if (Pstream::master())
+    if (time_ && Pstream::master())
     {
         writeFile();    // at once: a run that is killed has said it
     }
@@ -117,10 +120,9 @@ void Warnings::enter(const Record& r)
 
 void Warnings::note(const RunWarning& warning)
 {
-    if (time_)
-    {
-        enter({warning, time_->value(), time_->value(), 1});
-    }
+    // Before the run begins: see start()
+    const scalar now = time_ ? time_->value() : beforeTheRun;
+    enter({warning, now, now, 1});
 }
 
 
@@ -229,6 +231,10 @@ void Warnings::start(const Time& time)
 {
     Warnings& warnings = all();
     warnings.time_ = &time;
+    for (Record& r : warnings.records_)
+    {
+        r.first = r.last = time.value();
+    }
     warnings.readState();
     if (Pstream::master())
     {

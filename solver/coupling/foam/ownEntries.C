@@ -33,13 +33,21 @@ wordList entriesOf(const ownDictionary kind)
         case ownDictionary::feed:
             return
             {
-                "outlets", "partitionTo", "patch", "zone", "loading", "massFlowRate", "start",
+                "outlets", "planes", "partitionTo", "patch", "zone", "loading", "massFlowRate", "start",
                 "duration", "particles", "parcels", "focus",
                 "particlesPerParcel", "drainTime", "velocity", "seed",
                 "materials"
             };
+        case ownDictionary::planes:
+            return {"first", "spacing", "number"};
         case ownDictionary::material:
-            return {"density", "sphericity", "massFraction", "sizeDistribution"};
+            return
+            {
+                "density", "sphericity", "flatness", "elongation",
+                "measuredVelocity", "massFraction", "sizeDistribution"
+            };
+        case ownDictionary::measuredVelocity:
+            return {"file", "gasDensity", "gasViscosity"};
         case ownDictionary::selfInducedVelocity:
             return {"correct"};
         case ownDictionary::ownWake:
@@ -47,7 +55,7 @@ wordList entriesOf(const ownDictionary kind)
         case ownDictionary::spreading:
             return {"width", "steps"};
         case ownDictionary::dragLaw:
-            return {"alphac", "sphericity"};
+            return {"alphac", "sphericity", "flatness", "elongation"};
         case ownDictionary::cellList:
             return
             {

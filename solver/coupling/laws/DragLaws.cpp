@@ -11,8 +11,8 @@ namespace
 template<class Law>
 DragLaw described()
 {
-    return {Law::name,      Law::title,      Law::maxRe, Law::minAlpha,
-            Law::knowsVoid, Law::knowsShape, Law::CdRe};
+    return {Law::name,      Law::title,      Law::maxRe,     Law::minAlpha,
+            Law::knowsVoid, Law::knowsShape, Law::knowsMean, Law::CdRe};
 }
 
 /// OpenFOAM's particle forces that are one of these laws under another name

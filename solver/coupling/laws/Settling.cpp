@@ -21,11 +21,20 @@ double zero(double low, double high, const Expression& expression)
     return low;
 }
 
+/// Cd Re of a single grain
+double CdRe(Drag drag, const Grain& grain, double diameter, double slip, const Gas& gas)
+{
+    Form form = grain.form;
+    form.densityRatio = grain.density/gas.density;
+    return drag(gas.density*slip*diameter/gas.viscosity, 1, form);
+}
+
+
 /// Drag per volume of a particle, N/m3
 double dragPerVolume(Drag drag, const Grain& grain, double diameter, double slip, const Gas& gas)
 {
     return 0.75*gas.viscosity*slip/(diameter*diameter)
-          *drag(gas.density*slip*diameter/gas.viscosity, 1, grain.sphericity);
+          *CdRe(drag, grain, diameter, slip, gas);
 }
 
 } // namespace
@@ -33,8 +42,8 @@ double dragPerVolume(Drag drag, const Grain& grain, double diameter, double slip
 
 double relaxationTime(Drag drag, const Grain& grain, double diameter, double slip, const Gas& gas)
 {
-    const double Re = gas.density*slip*diameter/gas.viscosity;
-    return grain.density*diameter*diameter/(0.75*gas.viscosity*drag(Re, 1, grain.sphericity));
+    return grain.density*diameter*diameter
+          /(0.75*gas.viscosity*CdRe(drag, grain, diameter, slip, gas));
 }
 
 
@@ -45,9 +54,11 @@ double terminalVelocity(Drag drag, const Grain& grain, double diameter, const Ga
     if (!(weight > 0)) return 0;
 
     const double stokes = weight*diameter*diameter/(18*gas.viscosity);
-    return zero(1e-6*std::min(stokes, 1.0), 3*stokes,
-                [&](double speed)
-                { return dragPerVolume(drag, grain, diameter, speed, gas) - weight; });
+    const auto excess = [&](double speed)
+    { return dragPerVolume(drag, grain, diameter, speed, gas) - weight; };
+    double fastest = 3*stokes;
+    while (excess(fastest) < 0) fastest *= 3;       // measured grains may have less drag than spheres
+    return zero(1e-6*std::min(stokes, 1.0), fastest, excess);
 }
 
 

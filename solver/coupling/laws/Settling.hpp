@@ -16,10 +16,10 @@ struct Gas
 struct Grain
 {
     double density;      // kg/m3
-    double sphericity;
+    Form form;           // its density ratio is worked out with the gas
 };
 
-using Drag = double (*)(double Re, double alpha, double sphericity);    // Cd Re
+using Drag = double (*)(double Re, double alpha, const Form&);    // Cd Re
 
 /// Time in which the drag at a slip speed would stop that slip, s: 4/3 rho_p d^2/(mu Cd Re).
 double relaxationTime(Drag, const Grain&, double diameter, double slip, const Gas&);

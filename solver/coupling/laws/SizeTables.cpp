@@ -1,8 +1,9 @@
 #include "SizeTables.hpp"
 
+#include "CsvTable.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 namespace elutria::laws
@@ -11,8 +12,8 @@ namespace elutria::laws
 namespace
 {
 
-constexpr const char* sizeColumns = "diameter_m, diameter_mm, diameter_um";
-constexpr const char* shareColumns = "cumulative, cumulative_percent, retained, retained_UNIT";
+constexpr const char* shareColumns =
+    "one of cumulative, cumulative_percent, retained, retained_UNIT";
 
 /// Rounding of what laboratories report in percent
 constexpr double rounding = 0.005;
@@ -21,43 +22,6 @@ constexpr double rounding = 0.005;
 [[noreturn]] void refuse(const std::string& what)
 {
     throw std::invalid_argument(what);
-}
-
-
-std::string text(double value)
-{
-    std::ostringstream stream;
-    stream << value;
-    return stream.str();
-}
-
-
-std::vector<std::string> cells(const std::string& line)
-{
-    std::vector<std::string> found;
-    std::istringstream stream(line + ',');
-    for (std::string cell; std::getline(stream, cell, ',');)
-    {
-        const auto first = cell.find_first_not_of(" \t\r\""), last = cell.find_last_not_of(" \t\r\"");
-        found.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-    }
-    return found;
-}
-
-
-double number(const std::string& cell, std::size_t line)
-{
-    std::size_t end = 0;
-    double value = 0;
-    try
-    {
-        value = std::stod(cell, &end);
-    }
-    catch (const std::exception&)
-    {}
-    if (end == 0 || end != cell.size() || !(value >= 0) || !std::isfinite(value))
-        refuse("line " + std::to_string(line) + " has '" + cell + "', allowed: a number >= 0");
-    return value;
 }
 
 
@@ -76,23 +40,15 @@ struct Analysis
 
 Analysis read(const std::string& csv)
 {
-    std::istringstream stream(csv);
-    std::string line;
-    std::getline(stream, line);
-    const std::vector<std::string> header = cells(line);
-
+    const CsvTable table(csv);
+    const CsvTable::Column size = table.sizes();
     Analysis found{{}, false};
-    int size = -1, share = -1;
-    double unit = 1, percent = 1;
-    for (int k = 0; k < int(header.size()); ++k)
+    int share = -1;
+    double percent = 1;
+    for (int k = 0; k < int(table.header().size()); ++k)
     {
-        const std::string& name = header[k];
-        if (name == "diameter_m" || name == "diameter_mm" || name == "diameter_um")
-        {
-            size = k;
-            unit = name == "diameter_m" ? 1 : name == "diameter_mm" ? 1e-3 : 1e-6;
-        }
-        else if (name == "cumulative" || name == "cumulative_percent")
+        const std::string& name = table.header()[k];
+        if (name == "cumulative" || name == "cumulative_percent")
         {
             share = k;
             found.cumulative = true;
@@ -100,23 +56,15 @@ Analysis read(const std::string& csv)
         }
         else if (name == "retained" || name.rfind("retained_", 0) == 0) share = k;
     }
-    if (size < 0) refuse("the first line is '" + line + "', allowed: one of " + sizeColumns);
-    if (share < 0) refuse("the first line is '" + line + "', allowed: one of " + shareColumns);
-
-    for (std::size_t row = 2; std::getline(stream, line); ++row)
-    {
-        const std::vector<std::string> own = cells(line);
-        if (own.empty() || (own.size() == 1 && own[0].empty())) continue;
-        if (own.size() != header.size())
-            refuse("line " + std::to_string(row) + " has " + std::to_string(own.size())
-                   + " columns, allowed: " + std::to_string(header.size()));
-        found.sieves.push_back({unit*number(own[size], row), number(own[share], row)/percent});
-    }
+    if (share < 0) table.refuseHeader(shareColumns);
+    for (std::size_t i = 0; i < table.size(); ++i)
+        found.sieves.push_back({size.unit*table.number(i, size.index),
+                                table.number(i, share)/percent});
     std::stable_sort(found.sieves.begin(), found.sieves.end(),
                      [](const Sieve& a, const Sieve& b) { return a.aperture < b.aperture; });
     for (std::size_t i = 1; i < found.sieves.size(); ++i)
         if (!(found.sieves[i].aperture > found.sieves[i - 1].aperture))
-            refuse("the sieve of " + text(found.sieves[i].aperture) + " m is there twice");
+            refuse("the sieve of " + csvText(found.sieves[i].aperture) + " m is there twice");
     if (found.sieves.size() < 2) refuse("it has fewer than two sieves, allowed: at least two");
     return found;
 }
@@ -126,8 +74,8 @@ Analysis read(const std::string& csv)
 void accumulate(std::vector<Sieve>& sieves)
 {
     if (sieves.back().share > 0)
-        refuse("the widest sieve, " + text(sieves.back().aperture) + " m, retains "
-               + text(sieves.back().share) + ", allowed: 0; add a wider sieve");
+        refuse("the widest sieve, " + csvText(sieves.back().aperture) + " m, retains "
+               + csvText(sieves.back().share) + ", allowed: 0; add a wider sieve");
     double total = 0;
     for (Sieve& sieve : sieves)
     {
@@ -144,11 +92,11 @@ void checkCumulative(std::vector<Sieve>& sieves)
 {
     for (std::size_t i = 1; i < sieves.size(); ++i)
         if (sieves[i].share < sieves[i - 1].share)
-            refuse("cumulative falls from " + text(sieves[i - 1].share) + " to "
-                   + text(sieves[i].share) + " at " + text(sieves[i].aperture)
+            refuse("cumulative falls from " + csvText(sieves[i - 1].share) + " to "
+                   + csvText(sieves[i].share) + " at " + csvText(sieves[i].aperture)
                    + " m, allowed: rising with the aperture");
     if (std::abs(sieves.back().share - 1) > rounding)
-        refuse("cumulative ends at " + text(sieves.back().share)
+        refuse("cumulative ends at " + csvText(sieves.back().share)
                + ", allowed: 1 (100 percent) at the widest sieve");
     sieves.back().share = 1;
     for (Sieve& sieve : sieves) sieve.share = std::min(sieve.share, 1.0);
@@ -182,8 +130,8 @@ CumulativeCurve sieveTable(const std::string& csv, double min)
         const double finest = sieves[1].aperture, passed = sieves[1].share;
         if (!(passed > 0)) sieves.erase(sieves.begin());
         else if (!(min > 0 && min < finest))
-            refuse("min is " + text(min) + " and " + text(100*passed) + " % passed the finest sieve,"
-                   + " allowed: a smallest size of that above 0 and below " + text(finest) + " m");
+            refuse("min is " + csvText(min) + " and " + csvText(100*passed) + " % passed the finest sieve,"
+                   + " allowed: a smallest size of that above 0 and below " + csvText(finest) + " m");
         else sieves.front().aperture = min;
     }
     std::vector<double> diameters, finer;
@@ -212,7 +160,7 @@ CumulativeCurve mixed(const std::vector<CumulativeCurve>& curves, const std::vec
     double total = 0;
     for (const double one : shares)
     {
-        if (!(one > 0) || !std::isfinite(one)) refuse("share is " + text(one) + ", allowed: a number > 0");
+        if (!(one > 0) || !std::isfinite(one)) refuse("share is " + csvText(one) + ", allowed: a number > 0");
         total += one;
     }
     CumulativeCurve sum;

@@ -38,6 +38,24 @@ const char* names(const Laws& laws)
 }
 
 
+/// A grain, and the drag of its measured velocities
+struct OwnGrain
+{
+    std::unique_ptr<const MeasuredDrag> measured;
+    Grain grain;
+
+    explicit OwnGrain(const elutriaGrain& given)
+    :
+        grain{given.density, {given.sphericity, given.flatness, given.elongation}}
+    {
+        if (!given.velocities) return;
+        measured = std::make_unique<MeasuredDrag>(velocityTable(given.velocities), given.density,
+                                                  given.gasDensity, given.gasViscosity);
+        grain.form.measured = measured.get();
+    }
+};
+
+
 /// Do the work with a law; what is wrong, or null
 template<class Law, class Work>
 const char* with(const Law* law, const char* name, const Work& work)
@@ -96,34 +114,45 @@ const char* elutriaSizeParameters(const char* law)
 }
 
 const char* elutriaCdRe(const char* name, const double* re, const double* voidFraction,
-                        const double* sphericity, double* cdRe, int n)
-{
-    return with(findDragLaw(name), name, [=](const DragLaw& law)
-    {
-        for (int i = 0; i < n; ++i) cdRe[i] = law.CdRe(re[i], voidFraction[i], sphericity[i]);
-    });
-}
-
-const char* elutriaTerminalVelocity(const char* name, const double grain[2], const double gas[2],
-                                    double gravity, const double* diameter, double* velocity, int n)
+                        const double* form, double* cdRe, int n)
 {
     return with(findDragLaw(name), name, [=](const DragLaw& law)
     {
         for (int i = 0; i < n; ++i)
-            velocity[i] = terminalVelocity(law.CdRe, {grain[0], grain[1]}, diameter[i],
-                                           {gas[0], gas[1]}, gravity);
+        {
+            const double* own = form + 5*i;
+            cdRe[i] = law.CdRe(re[i], voidFraction[i], {own[0], own[1], own[2], own[3], own[4]});
+        }
     });
 }
 
-const char* elutriaSettlingSize(const char* name, const double grain[2], const double gas[2],
+double elutriaEllipsoidSphericity(double flatness, double elongation)
+{
+    return ellipsoidSphericity(flatness, elongation);
+}
+
+const char* elutriaTerminalVelocity(const char* name, const elutriaGrain* grain, const double gas[2],
+                                    double gravity, const double* diameter, double* velocity, int n)
+{
+    return with(findDragLaw(name), name, [=](const DragLaw& law)
+    {
+        const OwnGrain own(*grain);
+        for (int i = 0; i < n; ++i)
+            velocity[i] = terminalVelocity(law.CdRe, own.grain, diameter[i], {gas[0], gas[1]},
+                                           gravity);
+    });
+}
+
+const char* elutriaSettlingSize(const char* name, const elutriaGrain* grain, const double gas[2],
                                 double gravity, const double limits[2], const double* velocity,
                                 double* diameter, int n)
 {
     return with(findDragLaw(name), name, [=](const DragLaw& law)
     {
+        const OwnGrain own(*grain);
         for (int i = 0; i < n; ++i)
-            diameter[i] = settlingSize(law.CdRe, {grain[0], grain[1]}, velocity[i],
-                                       {gas[0], gas[1]}, gravity, limits[0], limits[1]);
+            diameter[i] = settlingSize(law.CdRe, own.grain, velocity[i], {gas[0], gas[1]}, gravity,
+                                       limits[0], limits[1]);
     });
 }
 

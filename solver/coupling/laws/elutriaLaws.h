@@ -23,15 +23,29 @@ const char* elutriaDragTitle(const char* law);
 const char* elutriaSizeLaws(void);
 const char* elutriaSizeParameters(const char* law);
 
-/* Drag coefficient times Re, at a particle Re (interstitial slip), void fraction and sphericity. */
+/* Drag coefficient times Re, at a particle Re (interstitial slip), void fraction and form: n rows of
+ * sphericity, flatness, elongation, density over the gas', size over the mean around. */
 const char* elutriaCdRe(const char* law, const double* re, const double* voidFraction,
-                        const double* sphericity, double* cdRe, int n);
+                        const double* form, double* cdRe, int n);
+
+/* A grain's material: density, sphericity, flatness, elongation; where its terminal velocities were
+ * measured, the text of a csv (see MeasuredDrag.hpp), and density and viscosity of that gas, else
+ * velocities is 0. */
+typedef struct
+{
+    double density, sphericity, flatness, elongation;
+    const char* velocities;
+    double gasDensity, gasViscosity;
+} elutriaGrain;
+
+/* Of an ellipsoid. */
+double elutriaEllipsoidSphericity(double flatness, double elongation);
 
 /* Terminal velocity of n sizes, and the size of n terminal velocities between two limits; 0 where
- * there is none. gas: density and viscosity; grain: density and sphericity. */
-const char* elutriaTerminalVelocity(const char* law, const double grain[2], const double gas[2],
+ * there is none. gas: density and viscosity. */
+const char* elutriaTerminalVelocity(const char* law, const elutriaGrain* grain, const double gas[2],
                                     double gravity, const double* diameter, double* velocity, int n);
-const char* elutriaSettlingSize(const char* law, const double grain[2], const double gas[2],
+const char* elutriaSettlingSize(const char* law, const elutriaGrain* grain, const double gas[2],
                                 double gravity, const double limits[2], const double* velocity,
                                 double* diameter, int n);
 

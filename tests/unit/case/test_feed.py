@@ -16,6 +16,7 @@ from elutria.case.feed import read_feed
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import Dictionary
 from elutria.physics.sizes import SizeDistribution, read_size_distribution
+from elutria_validation.harness.programs import project_root
 
 
 def sizes(**entries: object) -> SizeDistribution:
@@ -170,11 +171,11 @@ def test_the_default_case_is_understood(column: Path) -> None:
     assert feed.outlets == {"fines": ["top"], "coarse": ["bottom"]}
     assert feed.loading == pytest.approx(0.2)
     (quartz,) = feed.materials
-    assert quartz.density == 2650
+    assert quartz.grain.density == 2650
     assert quartz.sizes.smallest == pytest.approx(300e-6)
     assert quartz.sizes.largest == pytest.approx(2000e-6)
     # 300-2000 um at 0.2 kg/kg and 6 m/s: some ten thousand particles a second
-    mass = quartz.density * np.pi / 6 * quartz.sizes.mean_cube
+    mass = quartz.grain.density * np.pi / 6 * quartz.sizes.mean_cube
     assert 5_000 < 0.2 * 6 * 1.2 * 0.05**2 / mass < 30_000
 
 
@@ -222,3 +223,74 @@ def test_products_are_any(column: Path) -> None:
     assert feed.partition_to == "down"
     path.write_text(text.replace("patch  ", "partitionTo up; patch  "))
     assert Case(column).feed().partition_to == "up"
+
+
+def material(folder: Path, **entries: str) -> Path:
+    """cases/column with entries of its material instead of its sphericity."""
+    case = Case(project_root() / "cases/column").copy_to(folder, []).path
+    text = (case / "constant/feed").read_text()
+    own = " ".join(f"{name} {value};" if "{" not in value else f"{name} {value}"
+                   for name, value in entries.items())  # fmt: skip
+    (case / "constant/feed").write_text(re.sub(r"sphericity\s+1;", own, text))
+    return case
+
+
+def test_axes_give_the_sphericity_of_their_ellipsoid(tmp_path: Path) -> None:
+    case = material(tmp_path / "case", flatness="1", elongation="0.5")
+    grain = read_feed(case).materials[0].grain
+    e = np.sqrt(0.75)  # a prolate spheroid, 2 to 1
+    surface = 0.5 * (1 + 2 * np.arcsin(e) / e)
+    assert grain.sphericity == pytest.approx(2 ** (2 / 3) / surface, rel=1e-9)
+    assert (grain.flatness, grain.elongation) == (1.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("entries", "table", "said"),
+    [
+        ({"flatness": "0.5"}, "", "flatness: 0.5; allowed: sphericity, or both flatness and"),
+        (
+            {"sphericity": "0.9", "flatness": "0.5", "elongation": "0.5"},
+            "",
+            "sphericity: 0.9; allo",
+        ),
+        ({"flatness": "0", "elongation": "0.5"}, "", "flatness: 0; allowed"),
+        ({"elongation": "1.5", "flatness": "0.5"}, "", "elongation: 1.5; allowed"),
+        ({"measuredVelocity": "{ file none.csv; }"}, "", "none.csv"),
+        ({"measuredVelocity": "{ file v.csv; gasDensty 1; }"}, "", "gasDensty"),
+        ({"measuredVelocity": "{ file v.csv; }"}, "d,v\n1,2\n", "v.csv: the first line is 'd,v'"),
+        (
+            {"measuredVelocity": "{ file v.csv; }"},
+            "diameter_mm,velocity_m_s\n1,4\n2,3\n",
+            "velocity 3 m/s at 0.002 m, allowed: above 0, and rising with the size",
+        ),
+    ],
+)
+def test_shapes_and_velocities_that_cannot_be(
+    tmp_path: Path, entries: dict[str, str], table: str, said: str
+) -> None:
+    case = material(tmp_path / "case", **entries)
+    if table:
+        (case / "v.csv").write_text(table)
+    with pytest.raises(InputError) as refused:
+        read_feed(case)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("planes", "said"),
+    [
+        ("(0.1 0.1)", "planes: [0.1, 0.1]; allowed: up to 200 rising heights (m)"),
+        ("{ first 0; spacing 0; number 3; }", "spacing: 0; allowed"),
+        ("{ first 0; spacing 0.1; number 2.5; }", "number: 2.5; allowed: a whole number"),
+        ("{ first 0; spacing 0.1; number 300; }", "number: 300; allowed"),
+        ("{ first 0; step 0.1; number 3; }", "step"),
+    ],
+)
+def test_planes_that_cannot_be(column: Path, planes: str, said: str) -> None:
+    text = (column / "constant/feed").read_text()
+    end = "" if "{" in planes else ";"
+    (column / "constant/feed").write_text(f"{text}\nplanes {planes}{end}\n")
+    with pytest.raises(InputError) as refused:
+        read_feed(column)
+    assert said in str(refused.value)

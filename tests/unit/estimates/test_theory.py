@@ -37,7 +37,7 @@ def test_plug_flow_cut_sizes(density: float, velocity: float, size: float) -> No
     ],
 )
 def test_the_drag_law_alone_moves_the_cut(law: str, sphericity: float, size: float) -> None:
-    found = drag.plug_flow_cut_size(5, 2650, AIR, law, sphericity)
+    found = drag.plug_flow_cut_size(5, drag.Grain(2650, sphericity), AIR, law)
     assert found * 1e6 == pytest.approx(size, abs=1)
 
 

@@ -29,9 +29,14 @@ WORDS = [
 ]  # fmt: skip
 
 
-def printed(rows: list[dict[str, object]], width: int, wide: bool = False) -> str:
+def printed(
+    rows: list[dict[str, object]],
+    width: int,
+    wide: bool = False,
+    theory: list[dict[str, object]] | None = None,
+) -> str:
     output = io.StringIO()
-    table, keys = summary_table(rows, Settings(rows, rows), wide)
+    table, keys = summary_table(rows, Settings(rows, rows), wide, theory or [])
     print_table(Console(file=output, width=width), table, keys)
     return output.getvalue()
 
@@ -54,6 +59,18 @@ def test_no_digit_and_no_column_is_lost(width: int, materials: list[str]) -> Non
 def test_several_materials_fit_into_80_characters() -> None:
     text = printed([row(4.5, name) for name in ("quartz", "magnetite", "coal", "all")], 80)
     assert text.count("magnetite") == 1
+
+
+def test_how_far_the_cut_is_from_that_of_the_terminal_velocity() -> None:
+    rows = [row(4.5, name) for name in ("quartz", "magnetite", "coal", "all")]
+    theory = [{"gas_velocity_m_s": 4.5, "material": "quartz", "cut_size_m": 1000e-6},
+              {"gas_velocity_m_s": 4.5, "material": "coal", "cut_size_m": 1500e-6},
+              {"gas_velocity_m_s": 4.0, "material": "magnetite", "cut_size_m": 1e-3}]  # fmt: skip
+    lines = printed(rows, 80, theory=theory).splitlines()
+    found = {line.split()[1]: line.split()[-1] for line in lines if line.split()[:1] == ["4.5"]}
+    # 1357.9 um are 35.8 % above 1000 and 9.5 % below 1500
+    assert found == {"quartz": "+35.8", "magnetite": "-", "coal": "-9.5", "all": "-"}
+    assert max(len(line) for line in lines) <= 80
 
 
 def test_losses_are_a_column_where_there_are_any() -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from elutria.case.feed import Feed, read_feed
+from elutria.case.feed import Feed, Material, read_feed
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
 from elutria.openfoam.dictionary import (
@@ -27,7 +27,7 @@ from elutria.openfoam.dictionary import (
 from elutria.openfoam.mesh import check_mesh
 from elutria.openfoam.own_mesh import is_stale, keeps_mesh
 from elutria.physics.drag import Gas
-from elutria.physics.laws import drag_title
+from elutria.physics.laws import Grain, drag_title
 
 PARAMETERS = "system/simulationParameters"
 VELOCITY = f"{PARAMETERS}:gasVelocity"
@@ -158,6 +158,11 @@ class Case:
             return None
         return forces.sub("nonSphereDrag").number("phi", above=0, at_most=1)
 
+    def grain(self, material: Material) -> Grain:
+        """A material's grains as the case's drag takes them."""
+        shape = self.drag_sphericity()
+        return material.grain if shape is None else Grain(material.grain.density, shape)
+
     def cloud(self) -> Dictionary:
         """The properties of the cloud that a run has, whatever others are there."""
         return self.dictionary(CLOUD, with_included=True)
@@ -231,7 +236,9 @@ class Case:
 
         def skip(where: str, names: list[str]) -> set[str]:
             skipped = set(shutil.ignore_patterns(*_LEFT_BEHIND)(where, names))
-            if Path(where) == self.path:
+            if Path(where) != self.path:  # tables of a result lie at the top, others are input
+                skipped -= {name for name in names if name.endswith(".csv")}
+            else:
                 skipped |= {n for n in names if _is_time(n) and not (keep_zero and n == "0")}
             return skipped
 

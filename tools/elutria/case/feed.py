@@ -3,30 +3,43 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from math import inf
 from pathlib import Path
 
+import numpy as np
+
 from elutria.errors import InputError, one_line
+from elutria.files import read_text
 from elutria.openfoam.dictionary import Dictionary, read_dictionary
-from elutria.physics.laws import least_density
+from elutria.physics.laws import (
+    Grain,
+    ellipsoid_sphericity,
+    least_density,
+    terminal_velocities,
+)
 from elutria.physics.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
-    "FoamFile", "outlets", "partitionTo", "patch", "zone", "loading", "massFlowRate", "start",
-    "duration", "particles", "particlesPerParcel", "parcels", "focus", "drainTime", "velocity",
-    "seed", "materials",
+    "FoamFile", "outlets", "planes", "partitionTo", "patch", "zone", "loading", "massFlowRate",
+    "start", "duration", "particles", "particlesPerParcel", "parcels", "focus", "drainTime",
+    "velocity", "seed", "materials",
 )  # fmt: skip
-MATERIAL_ENTRIES = ("density", "sphericity", "massFraction", "sizeDistribution")
+MOST_PLANES = 200
+MATERIAL_ENTRIES = (
+    "density", "sphericity", "flatness", "elongation", "measuredVelocity", "massFraction",
+    "sizeDistribution",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Material:
-    """One material of the feed: density kg/m3, sphericity 0..1, share of the feed's mass 0..1."""
+    """One material of the feed: its grains, and its share of the feed's mass 0..1."""
 
     name: str
-    density: float
-    sphericity: float
+    grain: Grain
     mass_fraction: float
     sizes: SizeDistribution
 
@@ -63,6 +76,7 @@ def read_feed(case: Path) -> Feed:
     entries.refuse_repeated()
     entries.refuse_unknown(ENTRIES)
     outlets = _read_outlets(entries.sub("outlets"))
+    _check_planes(entries)
     place, is_patch = _read_place(entries)
     loading, rate = _read_rate(entries)
     duration = entries.number("duration", inf, above=0, unit="s")
@@ -160,6 +174,25 @@ def _read_outlets(entries: Dictionary) -> dict[str, list[str]]:
     return outlets
 
 
+def _check_planes(entries: Dictionary) -> None:
+    """Heights of planes that count: a list, or evenly spaced ones."""
+    if "planes" not in entries:
+        return
+    if isinstance(entries.raw("planes"), Mapping):
+        planes = entries.sub("planes")
+        planes.refuse_unknown(("first", "spacing", "number"))
+        planes.number("first", at_least=-1e3, at_most=1e3, unit="m")
+        planes.number("spacing", above=0, at_most=1e3, unit="m")
+        number = planes.number("number", at_least=1, at_most=MOST_PLANES)
+        if number != int(number):
+            raise planes.refuse("number", f"a whole number from 1 to {MOST_PLANES}")
+        return
+    heights = entries.numbers("planes")
+    rising = all(low < high for low, high in pairwise(heights))
+    if not (rising and 1 <= len(heights) <= MOST_PLANES):
+        raise entries.refuse("planes", f"up to {MOST_PLANES} rising heights (m)")
+
+
 def _read_partition_to(entries: Dictionary, products: list[str]) -> str:
     """The last product (`other` aside) unless the feed says otherwise; where that is not the one
     named coarse, it must say so: the curve would fall."""
@@ -185,18 +218,54 @@ def _read_materials(entries: Dictionary, case: Path) -> list[Material]:
         materials.append(
             Material(
                 name=name,
-                density=entry.number(
-                    "density", at_least=least_density(), at_most=3e4, unit="kg/m3"
-                ),
-                sphericity=entry.number("sphericity", 1.0, above=0, at_most=1),
+                grain=_read_grain(entry, case),
                 mass_fraction=entry.number("massFraction", 1.0, above=0, at_most=1),
                 sizes=read_size_distribution(entry.sub("sizeDistribution"), case),
             )
         )
+    _check_shares(entries, materials)
+    return materials
+
+
+def _check_shares(entries: Dictionary, materials: list[Material]) -> None:
     total = sum(material.mass_fraction for material in materials)
     if abs(total - 1) > 1e-6:
         raise InputError(
             f"{entries.where()}: massFraction adds up to {total:.6g} over "
             f"{', '.join(material.name for material in materials)}; allowed: 1"
         )
-    return materials
+
+
+def _read_grain(entry: Dictionary, case: Path) -> Grain:
+    density = entry.number("density", at_least=least_density(), at_most=3e4, unit="kg/m3")
+    shape = [name for name in ("sphericity", "flatness", "elongation") if name in entry]
+    if shape not in ([], ["sphericity"], ["flatness", "elongation"]):
+        raise entry.refuse(shape[0], "sphericity, or both flatness and elongation")
+    flat, slender = (entry.number(k, 1.0, above=0, at_most=1) for k in ("flatness", "elongation"))
+    sphericity = entry.number("sphericity", 1.0, above=0, at_most=1)
+    if len(shape) == 2:
+        sphericity = ellipsoid_sphericity(flat, slender)
+    text, gas = _read_velocities(entry, case, density)
+    return Grain(density, sphericity, flat, slender, text, gas)
+
+
+def _read_velocities(
+    entry: Dictionary, case: Path, density: float
+) -> tuple[str | None, tuple[float, float]]:
+    """The table of measured terminal velocities, and density and viscosity of its gas."""
+    own = entry.sub("measuredVelocity") if "measuredVelocity" in entry else None
+    if own is None:
+        return None, (1.2, 1.8e-5)
+    own.refuse_unknown(("file", "gasDensity", "gasViscosity"))
+    gas = (
+        own.number("gasDensity", 1.2, above=0, at_most=0.999 * density, unit="kg/m3"),
+        own.number("gasViscosity", 1.8e-5, above=0, at_most=1, unit="Pa s"),
+    )
+    file = case / own.word("file")
+    text = read_text(file, limit=1_000_000)
+    try:
+        terminal_velocities("MeasuredVelocityDrag", np.array([]), Grain(density, velocities=text,
+                            measured_in=gas), gas, 9.81)  # fmt: skip
+    except ValueError as error:
+        raise InputError(f"{own.where('file')}: {file}: {error}") from error
+    return text, gas

@@ -52,23 +52,21 @@ def cut_sizes(case: Case, velocities: list[float]) -> list[dict[str, Any]]:
     """Rows of theory.csv: the plug-flow cut size of each material over the velocities' range."""
     try:
         gas, law, gravity = case.gas(), case.theory_law(), case.gravity()
-        shape, materials = case.drag_sphericity(), case.feed().materials
+        grains = {one.name: case.grain(one) for one in case.feed().materials}
     except InputError:
         return []  # no theory beside the curves where the gas is not known, or the laws not built
     around = np.geomspace(0.8 * min(velocities), 1.25 * max(velocities), 25)
     grid = np.unique([*velocities, *around])
     rows = []
-    for material in materials:
+    for name, grain in grains.items():
         for velocity in grid.tolist():
             size = nan
-            if material.density > gas.density:
-                size = plug_flow_cut_size(
-                    velocity, material.density, gas, law, shape or material.sphericity, gravity
-                )
+            if grain.density > gas.density:
+                size = plug_flow_cut_size(velocity, grain, gas, law, gravity)
             rows.append(
                 {
                     "gas_velocity_m_s": velocity,
-                    "material": material.name,
+                    "material": name,
                     "law": law,
                     "cut_size_m": size,
                 }

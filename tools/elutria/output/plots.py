@@ -15,6 +15,7 @@ from elutria.files import read_csv, write_csv
 from elutria.output.contour_figure import contour_figure, contour_settings
 from elutria.output.cut_size_figure import cut_size_figure
 from elutria.output.partition_figure import partition_figure
+from elutria.output.planes_figure import planes_figure
 from elutria.output.settings import Row, Settings, products_of
 from elutria.output.size_figure import size_figure
 from elutria.output.style import STYLE, save
@@ -40,8 +41,13 @@ def read_results(folder: Path) -> Results:
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
     curves = optional(folder / "curve.csv", tables.CURVE)
-    lines = optional(folder / "theory.csv", tables.THEORY)
+    lines = read_theory(folder)
     return Results(summary, partition, curves, lines, Settings(summary, partition))
+
+
+def read_theory(folder: Path) -> list[Row]:
+    """Cut sizes of the terminal velocity, where RESULTS has them."""
+    return optional(folder / "theory.csv", tables.THEORY)
 
 
 def write_figures(folder: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
@@ -54,6 +60,11 @@ def write_figures(folder: Path, formats: Sequence[str] = ("png",)) -> list[Path]
     for name, (figure, columns, rows) in figures(results).items():
         write_csv(folder / f"{name}.csv", columns, rows)
         written += [save_styled(figure, folder / f"{name}.{suffix}") for suffix in formats]
+    stages = optional(folder / "stages.csv", tables.STAGES)
+    if stages:
+        with mpl.rc_context(STYLE):
+            counted = planes_figure(optional(folder / "zones.csv", tables.ZONES), stages)
+        written += [save_styled(counted, folder / f"planes.{suffix}") for suffix in formats]
     return written
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -90,10 +91,13 @@ def _least_width(console: Console, table: Table) -> int:
     return sum(size.minimum for size in ranges) + between
 
 
-def summary_table(rows: Sequence[Row], settings: Settings, wide: bool = False) -> tuple[Table, int]:
+def summary_table(
+    rows: Sequence[Row], settings: Settings, wide: bool = False, theory: Sequence[Row] = ()
+) -> tuple[Table, int]:
     """The summary, and how many of its columns say which row it is; `wide`: every column.
 
-    `all` is left out where there is one material. Units stand in the head.
+    `all` is left out where there is one material. Units stand in the head. `theory` has the cut
+    sizes of the terminal velocity; where they are known, a column says how far off d50 is.
     """
     from elutria.output.settings import materials_of
 
@@ -105,6 +109,9 @@ def summary_table(rows: Sequence[Row], settings: Settings, wide: bool = False) -
         columns.append(("material", lambda row: str(row["material"])))
     number = len(columns)
     columns += _all_columns() if wide else _main_columns(shown)
+    free = {(row[VELOCITY], row["material"]): row["cut_size_m"] for row in theory}
+    if keys == [VELOCITY] and any(_over(row, free) != "-" for row in shown):
+        columns.append(("to free\nfall %", lambda row: _over(row, free)))
     table = Table(
         title="Classification", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
         collapse_padding=True,
@@ -160,6 +167,12 @@ def _all_columns() -> list[TableColumn]:
         unit = units.get(ending, "-")
         found.append((f"{name.removesuffix(ending) if unit != '-' else name}\n{unit}", cell(name)))
     return found
+
+
+def _over(row: Row, free: Mapping[tuple[float, str], float]) -> str:
+    """How far d50 lies above the size whose terminal velocity is the gas velocity, %."""
+    ratio = row["d50_m"] / free.get((row[VELOCITY], row["material"]), nan)
+    return "-" if ratio != ratio else f"{100 * (ratio - 1):+.1f}"
 
 
 def _interval(row: Row) -> str:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from elutria.physics import laws
-from elutria.physics.laws import drag_coefficient
+from elutria.physics.laws import Grain, drag_coefficient
 
-__all__ = ["GRAVITY", "Gas", "drag_coefficient", "plug_flow_cut_size", "terminal_velocity"]
+__all__ = ["GRAVITY", "Gas", "Grain", "drag_coefficient", "plug_flow_cut_size", "terminal_velocity"]
 
 GRAVITY = 9.81
 """m/s2, where a case does not say otherwise."""
@@ -32,31 +32,28 @@ class Gas:
 
 def terminal_velocity(
     diameter: float,
-    density: float,
+    grain: Grain | float,
     gas: Gas,
     law: str = "Schiller-Naumann",
-    sphericity: float = 1.0,
     gravity: float = GRAVITY,
 ) -> float:
-    """Settling velocity (m/s) of one particle in gas at rest: drag equals weight less buoyancy.
+    """Settling velocity (m/s) of one grain in gas at rest: drag equals weight less buoyancy. A
+    number is the density of a sphere.
 
-    Raises ValueError for a particle that is not denser than the gas.
+    Raises ValueError for a grain that is not denser than the gas.
     """
-    if density <= gas.density:
-        raise ValueError(f"particle density {density:g} kg/m3 must exceed the gas's")
-    return float(
-        laws.terminal_velocities(
-            law, np.array([diameter]), (density, sphericity), (gas.density, gas.viscosity), gravity
-        )[0]
-    )
+    grain = _grain(grain)
+    if grain.density <= gas.density:
+        raise ValueError(f"particle density {grain.density:g} kg/m3 must exceed the gas's")
+    medium = (gas.density, gas.viscosity)
+    return float(laws.terminal_velocities(law, np.array([diameter]), grain, medium, gravity)[0])
 
 
 def plug_flow_cut_size(
     velocity: float,
-    density: float,
+    grain: Grain | float,
     gas: Gas,
     law: str = "Schiller-Naumann",
-    sphericity: float = 1.0,
     gravity: float = GRAVITY,
 ) -> float:
     """Diameter (m) whose terminal velocity is `velocity` (m/s): the cut in uniform gas.
@@ -66,9 +63,13 @@ def plug_flow_cut_size(
     size = laws.settling_sizes(
         law,
         np.array([velocity]),
-        (density, sphericity),
+        _grain(grain),
         (gas.density, gas.viscosity),
         gravity,
         (SMALLEST_CUT, LARGEST_CUT),
     )[0]
     return float(size) if size > 0 else float("nan")
+
+
+def _grain(given: Grain | float) -> Grain:
+    return given if isinstance(given, Grain) else Grain(given)

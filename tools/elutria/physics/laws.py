@@ -7,7 +7,8 @@ SI units.
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_void_p
+from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_void_p
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,18 @@ Array = NDArray[np.float64]
 
 LIBRARY = "libelutriaLaws.so"
 _NUMBERS = POINTER(c_double)
+
+
+class _Grain(Structure):
+    """elutriaGrain of elutriaLaws.h."""
+
+    _fields_ = (
+        ("density", c_double), ("sphericity", c_double), ("flatness", c_double),
+        ("elongation", c_double), ("velocities", c_char_p), ("gas_density", c_double),
+        ("gas_viscosity", c_double),
+    )  # fmt: skip
+
+
 _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "elutriaDragLaws": (c_char_p, []),
     "elutriaDragTitle": (c_char_p, [c_char_p]),
@@ -29,12 +42,13 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     "elutriaCdRe": (c_char_p, [c_char_p, *[_NUMBERS] * 4, c_int]),
     "elutriaTerminalVelocity": (
         c_char_p,
-        [c_char_p, _NUMBERS, _NUMBERS, c_double, _NUMBERS, _NUMBERS, c_int],
+        [c_char_p, POINTER(_Grain), _NUMBERS, c_double, _NUMBERS, _NUMBERS, c_int],
     ),
     "elutriaSettlingSize": (
         c_char_p,
-        [c_char_p, _NUMBERS, _NUMBERS, c_double, _NUMBERS, _NUMBERS, _NUMBERS, c_int],
+        [c_char_p, POINTER(_Grain), _NUMBERS, c_double, _NUMBERS, _NUMBERS, _NUMBERS, c_int],
     ),
+    "elutriaEllipsoidSphericity": (c_double, [c_double, c_double]),
     "elutriaLawSizes": (c_char_p, [c_char_p, _NUMBERS, _NUMBERS, c_int, POINTER(c_void_p)]),
     "elutriaSievedSizes": (c_char_p, [_NUMBERS, _NUMBERS, c_int, c_int, POINTER(c_void_p)]),
     "elutriaSieveTable": (c_char_p, [c_char_p, c_double, c_int, POINTER(c_void_p)]),
@@ -115,34 +129,71 @@ def drag_title(force: str) -> str | None:
     return None if title is None else title.decode()
 
 
+@dataclass(frozen=True)
+class Grain:
+    """What decides how a grain of a size falls: its density (kg/m3), and its shape, as sphericity
+    or by its axes S <= I <= L (flatness S/I, elongation I/L); or its measured terminal velocities,
+    the text of a csv (diameter_mm, velocity_m_s) in a gas of a density (kg/m3) and viscosity
+    (Pa s).
+    """
+
+    density: float
+    sphericity: float = 1.0
+    flatness: float = 1.0
+    elongation: float = 1.0
+    velocities: str | None = None
+    measured_in: tuple[float, float] = (1.2, 1.8e-5)
+
+    def _as_argument(self) -> Any:
+        text = None if self.velocities is None else self.velocities.encode()
+        return byref(_Grain(self.density, self.sphericity, self.flatness, self.elongation, text,
+                            *self.measured_in))  # fmt: skip
+
+
+def ellipsoid_sphericity(flatness: float, elongation: float) -> float:
+    """Of an ellipsoid of these axes, each above 0 and up to 1."""
+    return float(_library().elutriaEllipsoidSphericity(flatness, elongation))
+
+
 def drag_coefficient(
-    law: str, reynolds: ArrayLike, void: ArrayLike = 1.0, sphericity: ArrayLike = 1.0
+    law: str,
+    reynolds: ArrayLike,
+    void: ArrayLike = 1.0,
+    sphericity: ArrayLike = 1.0,
+    flatness: ArrayLike = 1.0,
+    elongation: ArrayLike = 1.0,
+    density_ratio: ArrayLike = 1000.0,
+    over_mean: ArrayLike = 1.0,
 ) -> Array:
-    """Cd at a particle Re of the interstitial slip, void fraction and sphericity: arrays of one
-    shape, or numbers. Raises ValueError for a law that is not known."""
-    given = np.broadcast_arrays(_array(reynolds), _array(void), _array(sphericity))
-    re, alpha, shape = (np.ascontiguousarray(values) for values in given)
-    product = np.empty_like(re)
+    """Cd at a particle Re of the interstitial slip, void fraction, shape, density over the gas, and
+    size over the Sauter mean around: arrays of one shape, or numbers. Raises ValueError for a law
+    that is not known."""
+    given = (reynolds, void, sphericity, flatness, elongation, density_ratio, over_mean)
+    shape = np.broadcast_shapes(*(np.shape(values) for values in given))
+    re, alpha, *form = (
+        np.ascontiguousarray(values)
+        for values in np.broadcast_arrays(*(_array(values) for values in given))
+    )
+    forms, product = np.ascontiguousarray(np.stack(form, axis=-1)), np.empty_like(re)
     _check(
         _library().elutriaCdRe(
             law.encode(),
-            *(_numbers(values) for values in (re, alpha, shape, product)),
+            *(_numbers(values) for values in (re, alpha, forms, product)),
             product.size,
         )
     )
-    return np.asarray(product / re).reshape(np.broadcast_shapes(np.shape(reynolds),
-                                            np.shape(void), np.shape(sphericity)))  # fmt: skip
+    return np.asarray(product / re).reshape(shape)
 
 
 def terminal_velocities(
-    law: str, diameters: Array, grain: tuple[float, float], gas: tuple[float, float], gravity: float
+    law: str, diameters: Array, grain: Grain, gas: tuple[float, float], gravity: float
 ) -> Array:
-    """m/s, of grains (density kg/m3, sphericity) in a gas (density, viscosity Pa s); 0: lighter."""
+    """m/s, of grains of these sizes (m) in a gas (density, viscosity Pa s); 0: lighter."""
     diameters = _array(diameters)
     found = np.empty_like(diameters)
     _check(
         _library().elutriaTerminalVelocity(
-            law.encode(), _numbers(_array(grain)), _numbers(_array(gas)), gravity,
+            law.encode(), grain._as_argument(), _numbers(_array(gas)), gravity,
             _numbers(diameters), _numbers(found), found.size,
         )
     )  # fmt: skip
@@ -152,7 +203,7 @@ def terminal_velocities(
 def settling_sizes(
     law: str,
     velocities: Array,
-    grain: tuple[float, float],
+    grain: Grain,
     gas: tuple[float, float],
     gravity: float,
     limits: tuple[float, float],
@@ -162,7 +213,7 @@ def settling_sizes(
     found = np.empty_like(velocities)
     _check(
         _library().elutriaSettlingSize(
-            law.encode(), _numbers(_array(grain)), _numbers(_array(gas)), gravity,
+            law.encode(), grain._as_argument(), _numbers(_array(gas)), gravity,
             _numbers(_array(limits)), _numbers(velocities), _numbers(found), found.size,
         )
     )  # fmt: skip

@@ -79,10 +79,9 @@ def floats_at(case: Case, size: float, material: str) -> float:
     gas, law, gravity = case.gas(), case.theory_law(), case.gravity()
     materials = case.feed().materials
     one = next((m for m in materials if m.name == material), materials[0])
-    if one.density <= gas.density:
+    if one.grain.density <= gas.density:
         raise InputError(f"constant/feed: materials/{one.name} is not denser than the gas")
-    shape = case.drag_sphericity() or one.sphericity
-    return terminal_velocity(size, one.density, gas, law, shape, gravity)
+    return terminal_velocity(size, case.grain(one), gas, law, gravity)
 
 
 def search(

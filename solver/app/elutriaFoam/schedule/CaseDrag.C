@@ -56,11 +56,12 @@ CaseDrag::CaseDrag(const dictionary& cloudProperties)
 
 elutria::laws::Grain CaseDrag::grain(const Feed::Material& material) const
 {
-    return
+    elutria::laws::Grain grain{material.density, material.form};
+    if (sphericity_ > 0)
     {
-        material.density,
-        sphericity_ > 0 ? sphericity_ : material.sphericity
-    };
+        grain.form = {sphericity_};
+    }
+    return grain;
 }
 
 

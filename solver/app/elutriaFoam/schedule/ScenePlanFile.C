@@ -180,6 +180,10 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
     std::vector<std::string> materials;
     for (const Feed::Material& m : feed.materials())
     {
+        const auto axis = [&](const scalar value)
+        {
+            return m.form.hasAxes() ? json::number(value) : "null";
+        };
         const scalar cut =
             drag.settlingSize(m, speed, gas(), mag(gas_.gravity()));
         materials.push_back
@@ -188,7 +192,9 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
             ({
                 {"name", json::text(m.name)},
                 {"density_kg_m3", json::number(m.density)},
-                {"sphericity", json::number(m.sphericity)},
+                {"sphericity", json::number(m.form.sphericity)},
+                {"flatness", axis(m.form.flatness)},
+                {"elongation", axis(m.form.elongation)},
                 {"mass_fraction", json::number(m.massFraction)},
                 {"number_fraction", json::number(feed.numberFraction(m))},
                 {"smallest_m", json::number(m.sizes.min())},

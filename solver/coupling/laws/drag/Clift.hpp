@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <cmath>
 
 namespace elutria::laws
@@ -14,8 +16,9 @@ struct Clift
     static constexpr double minAlpha = 0.9;
     static constexpr bool knowsVoid = false;
     static constexpr bool knowsShape = false;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double, double)
+    static double CdRe(double Re, double, const Form&)
     {
         if (Re < 0.01) return 24 + 4.5*Re;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,8 +19,9 @@ struct DiFelice
     static constexpr double minAlpha = 0.4;
     static constexpr bool knowsVoid = true;
     static constexpr bool knowsShape = false;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double alpha, double)
+    static double CdRe(double Re, double alpha, const Form&)
     {
         const double ReSuperficial = std::max(alpha*Re, 1e-12);
         const double chi = 3.7 - 0.65*std::exp(-0.5*std::pow(1.5 - std::log10(ReSuperficial), 2));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <cmath>
 
 namespace elutria::laws
@@ -16,11 +18,12 @@ struct Ganser
     static constexpr double minAlpha = 0.9;
     static constexpr bool knowsVoid = false;
     static constexpr bool knowsShape = true;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double, double sphericity)
+    static double CdRe(double Re, double, const Form& form)
     {
-        const double K1 = 3/(1 + 2/std::sqrt(sphericity));
-        const double K2 = std::pow(10.0, 1.8148*std::pow(-std::log10(sphericity), 0.5743));
+        const double K1 = 3/(1 + 2/std::sqrt(form.sphericity));
+        const double K2 = std::pow(10.0, 1.8148*std::pow(-std::log10(form.sphericity), 0.5743));
         const double ReK = Re*K1*K2;
 
         return 24/K1*(1 + 0.1118*std::pow(ReK, 0.6567)) + Re*K2*0.4305*ReK/(ReK + 3305);

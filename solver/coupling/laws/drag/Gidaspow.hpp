@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include "WenYu.hpp"
 
 #include <cmath>
@@ -17,12 +19,13 @@ struct Gidaspow
     static constexpr double minAlpha = 0.36;
     static constexpr bool knowsVoid = true;
     static constexpr bool knowsShape = false;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double alpha, double sphericity)
+    static double CdRe(double Re, double alpha, const Form& form)
     {
         return alpha < 0.8
             ? 4.0/3.0*(150*(1 - alpha)/alpha + 1.75*Re)/alpha
-            : WenYu::CdRe(Re, alpha, sphericity);
+            : WenYu::CdRe(Re, alpha, form);
     }
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <cmath>
 
 namespace elutria::laws
@@ -15,10 +17,11 @@ struct HaiderLevenspiel
     static constexpr double minAlpha = 0.9;
     static constexpr bool knowsVoid = false;
     static constexpr bool knowsShape = true;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double, double sphericity)
+    static double CdRe(double Re, double, const Form& form)
     {
-        const double s = sphericity;
+        const double s = form.sphericity;
         const double A = std::exp(2.3288 - 6.4581*s + 2.4486*s*s);
         const double B = 0.0964 + 0.5565*s;
         const double C = std::exp(4.905 - 13.8944*s + 18.4222*s*s - 10.2599*s*s*s);

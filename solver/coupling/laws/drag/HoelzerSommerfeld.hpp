@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <cmath>
 
 namespace elutria::laws
@@ -23,10 +25,11 @@ struct HoelzerSommerfeld
     static constexpr double minAlpha = 0.9;
     static constexpr bool knowsVoid = false;
     static constexpr bool knowsShape = true;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double, double sphericity)
+    static double CdRe(double Re, double, const Form& form)
     {
-        const double s = sphericity;
+        const double s = form.sphericity;
         const double newton = 0.42*std::pow(10.0, 0.4*std::pow(-std::log10(s), 0.2))/s;
 
         return 24/std::sqrt(s) + 3*std::sqrt(Re)/std::pow(s, 0.75) + newton*Re;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include <cmath>
 
 namespace elutria::laws
@@ -14,8 +16,9 @@ struct SchillerNaumann
     static constexpr double minAlpha = 0.9;
     static constexpr bool knowsVoid = false;
     static constexpr bool knowsShape = false;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double, double)
+    static double CdRe(double Re, double, const Form&)
     {
         return Re > 1000 ? 0.44*Re : 24*(1 + 0.15*std::pow(Re, 0.687));
     }

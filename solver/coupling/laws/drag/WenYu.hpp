@@ -1,5 +1,7 @@
 #pragma once
 
+#include "../Form.hpp"
+
 #include "SchillerNaumann.hpp"
 
 #include <cmath>
@@ -16,10 +18,11 @@ struct WenYu
     static constexpr double minAlpha = 0.45;
     static constexpr bool knowsVoid = true;
     static constexpr bool knowsShape = false;
+    static constexpr bool knowsMean = false;
 
-    static double CdRe(double Re, double alpha, double sphericity)
+    static double CdRe(double Re, double alpha, const Form& form)
     {
-        return SchillerNaumann::CdRe(alpha*Re, alpha, sphericity)*std::pow(alpha, -3.65);
+        return SchillerNaumann::CdRe(alpha*Re, alpha, form)*std::pow(alpha, -3.65);
     }
 };
 

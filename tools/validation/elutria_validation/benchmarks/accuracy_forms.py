@@ -36,11 +36,12 @@ def closed_forms(scene: Scene) -> list[Form]:
     case = Case(project_root() / "cases/column")
     gas, law, material = case.gas(), case.theory_law(), case.feed().materials[0]
     start = time.perf_counter()
-    cut = plug_flow_cut_size(scene.velocity, material.density, gas, law)
+    cut = plug_flow_cut_size(scene.velocity, material.grain.density, gas, law)
     step = cut_of_curve(cut * np.array([0.1, 1 - 1e-9, 1 + 1e-9, 10]), [0, 0, 1, 1])
     middle = time.perf_counter()
     sizes = np.geomspace(material.sizes.smallest, material.sizes.largest, 101)
-    slip = np.array([terminal_velocity(d, material.density, gas, law) for d in sizes.tolist()])
+    grain = material.grain
+    slip = np.array([terminal_velocity(d, grain.density, gas, law) for d in sizes.tolist()])
     spread = dispersion(scene.velocity)
     fines = drift_dispersion_fines_share(slip, scene.velocity, HEIGHT, LENGTH, spread)
     return [

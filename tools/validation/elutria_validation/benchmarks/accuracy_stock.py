@@ -177,7 +177,7 @@ def _write_mppic_cloud(case: Path, scene: Scene, start: float) -> None:
     density = by_number / np.diff(limits) / by_number.sum()
     area = 0.05**2  # m2, of the shaft
     rate = scene.loading * gas.density * scene.velocity * area
-    mass = material.density * np.pi / 6 * material.sizes.mean_cube  # kg, of a particle
+    mass = material.grain.density * np.pi / 6 * material.sizes.mean_cube  # kg, of a particle
     injection = {
         "type": "patchInjection",
         "parcelBasisType": "fixed",
@@ -205,7 +205,7 @@ def _write_mppic_cloud(case: Path, scene: Scene, start: float) -> None:
     change(
         case,
         {
-            f"{CLOUD}:constantProperties": {"rho0": material.density, "alphaMax": 0.9},
+            f"{CLOUD}:constantProperties": {"rho0": material.grain.density, "alphaMax": 0.9},
             f"{CLOUD}:solution/averagingMethod": "basic",
             f"{MODELS}/particleForces": {"sphereDrag": {}, "gravity": {}},
             f"{MODELS}/injectionModels": {"feed": injection},
