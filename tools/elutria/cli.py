@@ -77,20 +77,23 @@ def check(case: CaseArgument) -> None:
         known = _asked(case)
         kept.keep(key, known)
     solvers = known["plan"]
-    for table in report(case.resolve().name, known["velocity"], solvers):
+    name = case.resolve().name
+    for table in report(name, known["velocity"], solvers, known["keeps_mesh"]):
         print_table(console, table)
     _say(f"expected of {in_words(machine.expected([solvers])[0], 1)}")
 
 
 def _asked(case: Path) -> dict[str, Any]:
-    """A case's gas velocity and the solver's plan of it. Raises InputError for what is wrong."""
+    """A case's gas velocity, the solver's plan of it, and whether a run keeps its mesh. Raises
+    InputError for what is wrong."""
     from elutria.case.case import Case
     from elutria.estimates.check import check_text
     from elutria.running.run import ask_plan
 
     source = Case(case)
     check_text(source)
-    return {"velocity": source.velocity(), "plan": ask_plan(source)}
+    plan = ask_plan(source)
+    return {"velocity": source.velocity(), "plan": plan, "keeps_mesh": source.keeps_mesh}
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")

@@ -35,10 +35,10 @@ def check_text(case: Case) -> None:
     )
 
 
-def report(name: str, velocity: float, plan: dict[str, Any]) -> list[Table]:
+def report(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool) -> list[Table]:
     """Tables for the terminal, of the solver's plan of a case with a gas velocity (m/s)."""
     return [
-        _setting(name, velocity, plan),
+        _setting(name, velocity, plan, keeps_mesh),
         _materials(plan),
         _limits(plan),
         _expected(plan),
@@ -58,7 +58,7 @@ def _known(value: float | None, text: str) -> str:
     return "known when the gas flows" if value is None else text.format(value)
 
 
-def _setting(name: str, velocity: float, plan: dict[str, Any]) -> Table:
+def _setting(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool) -> Table:
     table = _table(f"{name}: what was understood", "what", "value", "from")
     gas, feed = plan["gas"], plan["feed"]
     table.add_row("gas velocity", f"{velocity:g} m/s", "system/simulationParameters")
@@ -74,8 +74,8 @@ def _setting(name: str, velocity: float, plan: dict[str, Any]) -> Table:
         patches = ", ".join(outlet["patches"])
         table.add_row(f"{outlet['product']} leave through", patches, "constant/feed")
     patches = ", ".join(f"{patch['name']} ({patch['type']})" for patch in plan["mesh"]["patches"])
-    kept = case.keeps_mesh
-    table.add_row("patches", patches, "constant/polyMesh, as it is" if kept else "the mesh")
+    origin = "constant/polyMesh, as it is" if keeps_mesh else "the mesh"
+    table.add_row("patches", patches, origin)
     rate = feed["rate_kg_s"]
     grams = _known(None if rate is None else 1e3 * rate, "{:.3g} g/s")
     table.add_row("feed", grams, "constant/feed")

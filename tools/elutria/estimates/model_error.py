@@ -10,6 +10,7 @@ from math import nan
 
 from elutria.case.case import Case
 from elutria.errors import InputError
+from elutria.physics.laws import Grain
 
 SPHERES = {
     "SchillerNaumannDrag": 0.053,
@@ -36,13 +37,17 @@ def model_errors(case: Case) -> dict[str, float]:
     shape, of which no measurement says anything."""
     try:
         laws, shape = case.drag_laws(), case.drag_sphericity()
-        shapes = {one.name: shape or one.sphericity for one in case.feed().materials}
+        grains = {one.name: one.grain for one in case.feed().materials}
     except InputError:
         return {}
     law = laws[0] if len(laws) == 1 else ""
-    found = {
-        name: (SPHERES if sphericity == 1 else SHAPES).get(law, nan)
-        for name, sphericity in shapes.items()
-    }
+    found = {name: _measured(grain, shape).get(law, nan) for name, grain in grains.items()}
     known = [value for value in found.values() if value == value]
     return {**found, "all": max(known) if len(known) == len(found) and known else nan}
+
+
+def _measured(grain: Grain, shape: float | None) -> dict[str, float]:
+    """What is known of each law for such grains; `shape` is the law's own sphericity, if any."""
+    if (grain.flatness, grain.elongation, grain.velocities) != (1, 1, None):
+        return {}
+    return SPHERES if (shape or grain.sphericity) == 1 else SHAPES
