@@ -70,7 +70,7 @@ def leaving_speed(run: Path) -> dict[str, float]:
 
 def test_grains_of_measured_sizes_settle_as_measured(tmp_path: Path, measured: Note) -> None:
     told = {1e-4: 0.2, 2e-4: 0.5}
-    own = "measuredVelocity { file \"constant/velocities.csv\"; }"
+    own = 'measuredVelocity { file "constant/velocities.csv"; }'
     names = {size: f"grains{number}" for number, size in enumerate((1e-4, 1.4e-4, 2e-4, 2.5e-4))}
     case = column(tmp_path / "case", "MeasuredVelocityDrag;", "".join(
         MATERIAL.format(name=name, share=0.25, shape=own, size=size) for size, name in names.items()

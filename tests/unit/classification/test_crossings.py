@@ -110,7 +110,5 @@ def test_a_run_without_planes_has_none(tmp_path: Path) -> None:
     file = tmp_path / "postProcessing/crossings/0/crossings.csv"
     file.parent.mkdir(parents=True)
     file.write_text("time_s,plane\n")
-    with pytest.raises(
-        InputError, match=r"crossings.csv: first line must be time_s,plane,hei"
-    ):
+    with pytest.raises(InputError, match=r"crossings.csv: first line must be time_s,plane,hei"):
         read_counted(tmp_path, "coarse")

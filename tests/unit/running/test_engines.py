@@ -16,6 +16,8 @@ from tests.support import dask, slurm
 from tests.support.engines import command, sweep, tables
 
 LOADING = "system/simulationParameters:loading"
+
+
 def starts(file: Path) -> int:
     return len(file.read_text().splitlines()) if file.exists() else 0
 

@@ -319,14 +319,17 @@ def make_mesh(case: Case, *, keep: bool = False) -> None:
     if script := case.mesh_script:
         _program([f"./{script}"], case.path, f"log.{script}", refuses=True)
     elif not keep and (case.path / "system/blockMeshDict").is_file():
-        _program(["blockMesh"], case.path, "log.blockMesh")
+        _program(["blockMesh"], case.path, "log.blockMesh", "system/blockMeshDict")
     case.check_mesh()
     case.feed()  # its patches, now that the mesh is there
 
 
-def _program(arguments: list[str], folder: Path, log: str, refuses: bool = False) -> None:
-    """Run a program in `folder`, its output in `log`. Raises ElutriaError when it fails; InputError
-    with its last line where exit code 2 of it means that it refuses its input."""
+def _program(
+    arguments: list[str], folder: Path, log: str, reads: str = "", refuses: bool = False
+) -> None:
+    """Run a program in `folder`, its output in `log`; it reads the file `reads` there. Raises
+    ElutriaError when it fails; InputError with its last line where exit code 2 of it means that it
+    refuses its input."""
     with (
         writing_to(folder),
         (folder / log).open("w") as output,
@@ -343,7 +346,7 @@ def _program(arguments: list[str], folder: Path, log: str, refuses: bool = False
     if refuses and code == InputError.exit_code:
         raise InputError(_reason(folder / log).removeprefix("elutria: "))
     if code != 0:
-        raise ElutriaError(f"{arguments[0]} failed in {folder}: {_reason(folder / log)}")
+        raise ElutriaError(f"{arguments[0]} failed in {folder / reads}: {_reason(folder / log)}")
 
 
 def solve(
