@@ -84,7 +84,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
     const double softStep = stepLimit_(exchange_.alone() ? particles : all_.extremes, 0);
     // from the state alone, so that a restart decides alike
     if (!forced && (duration <= fewSubSteps*softStep || 2*all_.contactEnds > all_.particles))
-        return runSoft(particles, duration, report);
+        return runSoft(particles, duration, false, report);
     if (softRules_) importContacts(soft_.exportContacts());
 
     load(particles, all_.weighted);
@@ -111,7 +111,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
                         "collide",
                         "more than " + text(mostOverSoft) + " times the work of contact steps for all",
                         "lower deltaT, or feed fewer particles", 1 - done/whole});
-                return runSoft(particles, duration*(1 - done/whole), report);
+                return runSoft(particles, duration*(1 - done/whole), true, report);
             case Outcome::done:
                 done += length;
                 ++report.pieces;
@@ -122,11 +122,11 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
 }
 
 
-/// The soft law for all, on the first rank.
-void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepReport& report)
+/// The soft law for all, on the first rank; `continued`: for the rest of a step.
+void AdaptiveIntegrator::runSoft(Particles& particles, double duration, bool continued,
+                                 StepReport& report)
 {
     const Stopwatch watch(report.softSeconds);
-    const bool continued = !softRules_;
     useSoft();
     Gathered gathered(exchange_, particles);
     together(exchange_, [&]

@@ -65,7 +65,7 @@ public:
 private:
     enum class Outcome { done, tooLong, contactsRule };
 
-    void runSoft(Particles& particles, double duration, StepReport& report);
+    void runSoft(Particles& particles, double duration, bool continued, StepReport& report);
     void runSoftHere(Particles& particles, double duration, bool continued, StepReport& report);
     void load(const Particles& particles, bool weighted);
     Outcome advancePiece(double duration, std::uint64_t seed, bool mayCut, StepReport& report);

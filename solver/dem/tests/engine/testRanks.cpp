@@ -296,6 +296,17 @@ TEST_CASE("ranks: the soft law for all, on the first rank")
     CHECK(many.contacts.size() == one.contacts.size());
 }
 
+TEST_CASE("ranks: a step that takes the soft law for all keeps no drag impulse of the step before")
+{
+    Scene scene = box(1e6);
+    scene.duration = 1e-5;                    // few sub-steps: the soft law from the start
+    scene.steps = 1;
+    const Outcome clean = run(scene, 1);
+    CHECK(clean.subSteps > 0);
+    scene.particles.dragImpulse.assign(scene.particles.size(), {1, 1, 1});
+    CHECK(run(scene, 1).particles == clean.particles);
+}
+
 TEST_CASE("ranks: more of them than particles")
 {
     Scene scene = box(1e15);
