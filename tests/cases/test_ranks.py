@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from elutria_validation.harness.box import BoxCase, Contacts, Treatment
-from elutria_validation.harness.cases import add_feed, change, material, solve
+from elutria_validation.harness.box import BoxCase, Contacts, Pair, Treatment
+from elutria_validation.harness.cases import CONTROL, add_feed, change, material, solve
+from elutria_validation.harness.particles import Particles, read_particles
+from elutria_validation.harness.programs import run_program
 
 FEED = {
     "massFlowRate": 2e-3,
@@ -69,3 +73,32 @@ def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     assert len(shared) == ranks
     assert sum(shared) > 0, "no island reached over processors"
     assert recorded(parallel) == recorded(serial)
+
+
+def test_contacts_go_on_with_another_number_of_ranks(tmp_path: Path, measured) -> None:
+    # a heap that has come to rest on a floor: its history is what holds it
+    heap = Particles.of(
+        [(0.004 + 0.0022 * (k % 6), 0.01, 0.0011 + 0.0021 * (k // 6)) for k in range(24)],
+        [(0.02 * (k % 5 - 2), 0, 0) for k in range(24)],
+        diameter=2e-3,
+    )
+    box = BoxCase(
+        width=0.02, depth=0.02, height=0.06, cells=(4, 4, 12), ends="wall", end=0.1,
+        contacts=Contacts(Pair(0.4, 0.5), wall_pair=Pair(0.4, 0.5)), interval=0.05,
+    )  # fmt: skip
+    case = decomposed(box.make(tmp_path / "case", heap), 2)
+    solve(case, 2)
+    run_program(["reconstructPar", "-latestTime"], case)
+    change(case, {f"{CONTROL}:endTime": 0.12, f"{CONTROL}:writeInterval": 0.02})
+    copies = {name: tmp_path / name for name in ("one", "three", "forgetful")}
+    for copy in copies.values():
+        shutil.copytree(case, copy)
+    solve(copies["one"])
+    solve(decomposed(copies["three"], 3), 3)
+    run_program(["reconstructPar", "-latestTime"], copies["three"])
+    for file in (copies["forgetful"] / "0.1/uniform/lagrangian/kinematicCloud").glob("contact*"):
+        file.unlink()
+    solve(copies["forgetful"])
+    one, three, forgetful = (read_particles(copy, "0.12").position for copy in copies.values())
+    measured("places on 3 ranks and on 1, in diameters", np.abs(three - one).max() / 2e-3, 1e-9)
+    assert np.abs(forgetful - one).max() / 2e-3 > 1e-6, "the history made no difference"

@@ -7,6 +7,7 @@
 
 #include "cloud/ElutriaCloud.H"
 #include "cloud/contactLimits.H"
+#include "cloud/stockRecords.H"
 #include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
@@ -117,7 +118,7 @@ ElutriaCloud::ElutriaCloud
     const dimensionedVector& g
 )
 :
-    StockCloud(cloudName, rho, U, mu, g),
+    StockCloud(withStockRecords(cloudName, U.mesh()), rho, U, mu, g),
     feed_(Feed::find(mesh(), U.group())),
     contacts_(findContacts()),
     stockMotion_
