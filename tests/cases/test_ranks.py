@@ -34,11 +34,11 @@ def _more_ranks_than_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OMPI_MCA_mpi_yield_when_idle", "1")
 
 
-def column(folder: Path, feed: dict[str, object], treatment: Treatment) -> Path:
+def column(folder: Path, feed: dict[str, object], treatment: Treatment, threads: int = 1) -> Path:
     """A narrow column that blows half of what falls in from the side upwards; its gas is frozen."""
     box = BoxCase(
         width=0.02, depth=0.02, height=0.06, cells=(4, 4, 12), gas_velocity=2,
-        contacts=Contacts(treatment=treatment), end=0.3, interval=0.1,
+        contacts=Contacts(treatment=treatment, more={"threads": threads}), end=0.3, interval=0.1,
     )  # fmt: skip
     case = box.make(folder)
     add_feed(case, feed)
@@ -57,7 +57,9 @@ def recorded(case: Path) -> bytes:
     return (case / "postProcessing/outlets/0/particles.csv").read_bytes()
 
 
-@pytest.mark.parametrize("ranks", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4))])
+@pytest.mark.parametrize(
+    "ranks", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4, 8))]
+)
 @pytest.mark.parametrize("feed", [FEED, PARCELS], ids=["particles", "parcels"])
 def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     tmp_path: Path, feed: dict[str, object], ranks: int
@@ -67,7 +69,7 @@ def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     assert float(re.findall(r"impacts +(\S+)", log)[-1]) > 500
     assert len(recorded(serial).splitlines()) > 300
 
-    parallel = decomposed(column(tmp_path / "parallel", feed, "impact"), ranks)
+    parallel = decomposed(column(tmp_path / "parallel", feed, "impact", threads=2), ranks)
     log = solve(parallel, ranks)
     shared = [float(n) for n in re.findall(r"(\S+) shared islands", log)]
     assert len(shared) == ranks
