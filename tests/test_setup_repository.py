@@ -54,7 +54,7 @@ def tracked_files() -> list[Path]:
 
 
 # The particle engine's rooms: each may include itself and those before it.
-ROOMS = ["core", "laws", "walls", "neighbours", "impacts", "soft", "islands", "engine"]
+ROOMS = ["core", "laws", "walls", "neighbours", "impacts", "parallel", "soft", "islands", "engine"]
 
 
 def strange_includes(dem: Path) -> list[str]:

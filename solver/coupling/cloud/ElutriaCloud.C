@@ -7,6 +7,7 @@
 
 #include "cloud/ElutriaCloud.H"
 #include "cloud/contactLimits.H"
+#include "cloud/stockRecords.H"
 #include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
@@ -14,6 +15,7 @@
 #include "NoCollision.H"
 #include "OStringStream.H"
 #include "profiling.H"
+#include "sigFpe.H"
 
 namespace Foam
 {
@@ -34,21 +36,28 @@ CloudContacts* ElutriaCloud::findContacts()
 }
 
 
-void ElutriaCloud::advanceEngine
-(
-    elutria::dem::Particles& everyone,
-    const scalar dt
-)
+void ElutriaCloud::advanceEngine(const scalar dt)
 {
-    report_ = contacts_->guardedEngine().advance(everyone, dt, retakes_);
+    // The engine's vector kernels compute lanes that nobody uses
+    const sigFpe::ignore untrapped;
+    report_ = contacts_->guardedEngine().advance
+    (
+        parcels_.particles, dt, retakes_
+    );
 
-    work_.particleSteps += everyone.size();
+    work_.particleSteps += report_.particles;
     work_.freeFlights += report_.freeParticles;
     work_.softFlights += report_.softParticles;
     work_.impacts += report_.impacts;
-    for (const RunWarning& warning : report_.warnings)
+    ofRank_.particleSteps += report_.own.particles;
+    ofRank_.ghostSteps += report_.own.ghosts;
+    ofRank_.sharedIslands += report_.own.sharedIslands;
+    if (Pstream::master())
     {
-        Warnings::add(warning);
+        for (const RunWarning& warning : report_.warnings)
+        {
+            Warnings::add(warning);
+        }
     }
 }
 
@@ -83,30 +92,17 @@ void ElutriaCloud::advanceParticles(const scalar dt)
         return;
     }
 
-    string trouble;
     contacts_->moveWalls();
-    ParticleExchange::onMaster
-    (
-        parcels_.particles,
-        [&](elutria::dem::Particles& everyone)
-        {
-            try
-            {
-                advanceEngine(everyone, dt);
-            }
-            catch (const std::exception& error)
-            {
-                trouble = error.what();
-            }
-        }
-    );
-    elutriaBroadcast(trouble);
-    if (!trouble.empty())
+    try
+    {
+        advanceEngine(dt);
+    }
+    catch (const std::exception& error)
     {
         throw UnsoundStep
         (
             "the particles' motion failed at time " + time().timeName()
-          + " s: " + trouble
+          + " s: " + error.what()
         );
     }
 }
@@ -123,7 +119,7 @@ ElutriaCloud::ElutriaCloud
     const dimensionedVector& g
 )
 :
-    StockCloud(cloudName, rho, U, mu, g),
+    StockCloud(withStockRecords(cloudName, U.mesh()), rho, U, mu, g),
     feed_(Feed::find(mesh(), U.group())),
     contacts_(findContacts()),
     stockMotion_
@@ -178,7 +174,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
 {
     const scalar dt = solution().trackTime();
 
-    entry_.enter();
+    entry_.enter(parcels_);
     coupling_.startStep(dt);
     if (stockMotion_)
     {
@@ -191,6 +187,34 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
     advanceParticles(dt);
     parcels_.flyLate(dt);
     tracking_.track(parcels_, td, dt);
+}
+
+
+List<ElutriaCloud::RankWork> ElutriaCloud::workOfRanks() const
+{
+    RankWork own(ofRank_);
+    if (contacts_)
+    {
+        const auto& traffic = contacts_->engine().exchange().traffic();
+        own.seconds = traffic.seconds;
+        own.bytes = traffic.bytes;
+    }
+    List<scalarList> rows(Pstream::nProcs());
+    rows[Pstream::myProcNo()] = scalarList
+    ({
+        own.particleSteps, own.ghostSteps, own.sharedIslands, own.seconds,
+        own.bytes
+    });
+    Pstream::gatherList(rows);
+    DynamicList<RankWork> ranks;
+    for (const scalarList& r : rows)
+    {
+        if (r.size())
+        {
+            ranks.append({r[0], r[1], r[2], r[3], r[4]});
+        }
+    }
+    return List<RankWork>(ranks);
 }
 
 

@@ -80,34 +80,70 @@ void FeedEntry::takeInjected()
 }
 
 
-label FeedEntry::findOwner(const point& position, label& celli) const
+labelList FeedEntry::findOwners
+(
+    const UList<point>& positions,
+    labelList& cells
+) const
 {
-    celli = mesh().findCell(position);
+    const label nowhere = Pstream::nProcs();
+    labelList owners(positions.size(), nowhere);
+    cells.resize(positions.size());
+    forAll(positions, k)
+    {
+        cells[k] = mesh().findCell(positions[k]);
+        if (cells[k] >= 0)
+        {
+            owners[k] = Pstream::myProcNo();
+        }
+    }
 
-    // One processor takes the particle: the first that has the place
-    label owner = celli < 0 ? Pstream::nProcs() : Pstream::myProcNo();
-    reduce(owner, minOp<label>());
-    return owner == Pstream::nProcs() ? -1 : owner;
+    // One processor takes a particle: the first that has the place
+    Pstream::listCombineGather(owners, minEqOp<label>());
+    elutriaBroadcast(owners);
+    for (label& owner : owners)
+    {
+        owner = owner == nowhere ? -1 : owner;
+    }
+    return owners;
 }
 
 
-label FeedEntry::findPlace(const label i, point& position, label& celli) const
+labelList FeedEntry::findPlaces
+(
+    const labelRange& particles,
+    List<point>& positions,
+    labelList& cells
+) const
 {
-    position = injection_->position(i);
-    label owner = findOwner(position, celli);
-    if (owner < 0)
+    positions.resize(particles.size());
+    forAll(positions, k)
     {
-        position = feed_->retreat(i);
-        owner = findOwner(position, celli);
+        positions[k] = injection_->position(particles[k]);
     }
-    if (owner < 0)
+    labelList owners(findOwners(positions, cells));
+    if (min(owners) >= 0)
+    {
+        return owners;
+    }
+
+    forAll(positions, k)
+    {
+        if (owners[k] < 0)
+        {
+            positions[k] = feed_->retreat(particles[k]);
+        }
+    }
+    owners = findOwners(positions, cells);
+    const label lost = owners.find(-1);
+    if (lost >= 0)
     {
         FatalErrorInFunction
-            << "particle " << i << " of the feed would enter at "
-            << position << ", outside the mesh: move the feed's patch or"
+            << "particle " << particles[lost] << " of the feed would enter at "
+            << positions[lost] << ", outside the mesh: move the feed's patch or"
             << " zone away from the domain's edge" << exit(FatalError);
     }
-    return owner;
+    return owners;
 }
 
 
@@ -142,7 +178,7 @@ void FeedEntry::startStep()
 }
 
 
-void FeedEntry::enter()
+void FeedEntry::enter(StepParcels& step)
 {
     addProfiling(feed, "elutria::feed");
     takeInjected();
@@ -151,23 +187,29 @@ void FeedEntry::enter()
         return;
     }
 
-    const scalar dt = cloud_.solution().trackTime();
     const labelRange entering(injection_->take(cloud_.time().value()));
     injection_->count(entering);
-    for (const label i : entering)
+    if (entering.empty())
     {
-        point position;
-        label celli;
-        if (findPlace(i, position, celli) != Pstream::myProcNo())
+        return;
+    }
+    const scalar dt = cloud_.solution().trackTime();
+    List<point> positions;
+    labelList cells;
+    const labelList owners(findPlaces(entering, positions, cells));
+    forAll(owners, k)
+    {
+        if (owners[k] != Pstream::myProcNo())
         {
             continue;
         }
 
-        auto* parcel = new StockParcel(mesh(), position, celli);
+        auto* parcel = new StockParcel(mesh(), positions[k], cells[k]);
         cloud_.setParcelThermoProperties(*parcel, dt);
-        injection_->setParcel(i, *parcel);
+        injection_->setParcel(entering[k], *parcel);
         cloud_.checkParcelProperties(*parcel, dt, true);
         cloud_.addParticle(parcel);
+        step.ends.push_back({parcelName(*parcel), positions[k]});
         countArrival(*parcel);
     }
 }

@@ -180,7 +180,16 @@ void GasSampling::sample
     all.mass[i] = mass;
     all.statisticalWeight[i] = p.nParticle();
     all.dragRate[i] = rate;
-    all.position.set(i, toEngine(step.starts[i]));
+    const bool planar = mesh().nSolutionD() < 3;    // kept in its plane
+    all.position.set
+    (
+        i,
+        toEngine
+        (
+            planar ? step.starts[i]
+          : step.exact(all.id[i], step.starts[i], p.d())
+        )
+    );
     all.velocity.set(i, toEngine(startVelocity));
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
@@ -273,8 +282,13 @@ void GasSampling::findSolidFractions(elutria::dem::Particles& all) const
     {
         const label celli = p.cell(), others = parcels[celli] - 1;
         const scalar volume = solids[celli] - p.nParticle()*p.volume();
-        fractions[i++] =
-            volume*(others - 1)/max(others, label(1))/mesh().V()[celli];
+
+        // Rounded: the last digits of a cell's volume are those of the
+        // decomposition of the mesh
+        fractions[i++] = float
+        (
+            volume*(others - 1)/max(others, label(1))/mesh().V()[celli]
+        );
     }
 }
 

@@ -13,6 +13,8 @@
 #include "meshTools.H"
 #include "profiling.H"
 
+#include <algorithm>
+
 namespace Foam
 {
 
@@ -45,6 +47,8 @@ List<ParcelTracking::Flight> ParcelTracking::flights
         f.impulse =
             step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
         f.dragRate = all.dragRate[i];
+        f.target = toFoam(all.position[i]);
+        f.age = p.age() - p.stepFraction()*dt;
 
         // What neither drag nor other forces did, contacts did
         turnFluctuation
@@ -106,8 +110,8 @@ void ParcelTracking::slide
         // Off the cell's faces by rounding, so that it is found again
         const point inside(target + 1e-6*(mesh().C()[celli] - target));
         p.relocate(inside, celli);
-        p.age() += left*dt;
         p.stepFraction() = 1;
+        p.age() = flight.age + dt;
     }
     else
     {
@@ -184,7 +188,7 @@ void ParcelTracking::trackParcel
             f*flight.displacement - p.deviationFromMeshCentre(), f
         );
         const scalar spent = (p.stepFraction() - before)*dt;
-        p.age() += spent;
+        p.age() = flight.age + p.stepFraction()*dt;
 
         callPostMove(cloud_.functions(), p, spent, known, td);
         known = p.position();
@@ -198,8 +202,8 @@ void ParcelTracking::trackParcel
         {
             if (spent < SMALL*dt && ++attempts > 20)
             {
-                p.age() += f*dt;
                 p.stepFraction() = 1;
+                p.age() = flight.age + dt;
             }
             else
             {
@@ -258,9 +262,34 @@ labelList ParcelTracking::goneThrough() const
 }
 
 
+void ParcelTracking::keep
+(
+    std::vector<Arrived>& arrived,
+    StepParcels& step
+)
+{
+    const auto before = [](const Arrived& a, const Arrived& b)
+    {
+        return parcelName(*a.parcel) < parcelName(*b.parcel);
+    };
+    if (Pstream::parRun())
+    {
+        // Sums over the parcels of a cell are taken in the cloud's order: let
+        // it be that of one processor, where none ever comes from elsewhere
+        std::stable_sort(arrived.begin(), arrived.end(), before);
+    }
+    step.ends.clear();
+    for (const Arrived& a : arrived)
+    {
+        step.ends.push_back({parcelName(*a.parcel), a.target});
+        cloud_.addParticle(a.parcel);
+    }
+}
+
+
 void ParcelTracking::track
 (
-    const StepParcels& step,
+    StepParcels& step,
     StockTracking& td,
     const scalar dt
 )
@@ -272,6 +301,8 @@ void ParcelTracking::track
     List<Flight> flightOf(flights(step, dt));
     IDLList<StockParcel> moving;
     moving.transfer(cloud_);
+    std::vector<Arrived> arrived;
+    arrived.reserve(flightOf.size());
 
     ParcelTransfer<StockParcel, Flight> transfer(mesh());
 
@@ -304,10 +335,11 @@ void ParcelTracking::track
             {
                 deposit(p, flight);
                 coupling_.keep(flight.dragRate);
-                cloud_.addParticle(moving.remove(&p));
+                arrived.push_back({moving.remove(&p), flight.target});
             }
         }
     } while (transfer.exchange(moving, flightOf, td));
+    keep(arrived, step);
 }
 
 

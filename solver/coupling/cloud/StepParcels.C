@@ -57,6 +57,7 @@ void forEachColumn(Particles& p, const Work& work)
 
 void StepParcels::resize(const size_t n)
 {
+    nextEnd_ = 0;
     starts.resize(n);
     effectiveMass.resize(n);
     share.resize(n);
@@ -79,6 +80,32 @@ void StepParcels::resize(const size_t n)
     {
         vectors->resize(n);
     }
+}
+
+
+point StepParcels::exact
+(
+    const uint64_t name,
+    const point& tracked,
+    const scalar d
+)
+{
+    // Parcels that are no more leave gaps
+    size_t k = nextEnd_;
+    while (k < ends.size() && ends[k].name != name)
+    {
+        ++k;
+    }
+    if (k == ends.size())
+    {
+        return tracked;
+    }
+    nextEnd_ = k + 1;
+
+    // Further away: a patch has turned it, or taken it to its other side
+    constexpr scalar rounding = 1e-3;       // of its size
+    const bool there = magSqr(ends[k].position - tracked) < sqr(rounding*d);
+    return there ? ends[k].position : tracked;
 }
 
 

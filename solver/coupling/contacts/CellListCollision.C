@@ -7,6 +7,7 @@
 
 #include "contacts/CellListCollision.H"
 #include "core/ParticleName.hpp"
+#include "sigFpe.H"
 
 namespace Foam
 {
@@ -95,24 +96,16 @@ void CellListCollision<CloudType>::collide()
 
     moveWalls();
 
-    // Forces come back in the columns of velocity and spin
-    ParticleExchange::onMaster
-    (
-        all,
-        [&](elutria::dem::Particles& everyone)
-        {
-            elutria::dem::VectorArray force, torque;
-            engine_->engine().contactForces(everyone, dt, force, torque);
-            std::swap(everyone.velocity, force);
-            std::swap(everyone.spin, torque);
-        }
-    );
+    // The engine's vector kernels compute lanes that nobody uses
+    const sigFpe::ignore untrapped;
+    elutria::dem::VectorArray force, torque;
+    engine_->engine().contactForces(all, dt, force, torque);
 
     size_t i = 0;
     for (parcelType& p : this->owner())
     {
-        p.f() = toFoam(all.velocity[i]);
-        p.torque() = toFoam(all.spin[i]);
+        p.f() = toFoam(force[i]);
+        p.torque() = toFoam(torque[i]);
         ++i;
     }
 }

@@ -10,6 +10,8 @@
 #include "foam/foamVersion.H"
 #include "foam/stateFile.H"
 #include "core/ParticleName.hpp"
+#include "islands/SortedContacts.hpp"
+#include "parallel/Message.hpp"
 #include "IOField.H"
 
 namespace Foam
@@ -23,12 +25,32 @@ using elutria::dem::ParticleName;
 //- Labels of one record: two names of 64 bits in halves, wall or not
 constexpr label nLabels = 5;
 
+//- Those of all processors, on the master
+std::vector<elutria::dem::ContactRecord> allContacts
+(
+    const elutria::dem::Engine& engine
+)
+{
+    using namespace elutria::dem;
+    std::vector<Outgoing> toEach(engine.exchange().ranks());
+    toEach[0] << engine.exportContacts();
+    std::vector<std::vector<ContactRecord>> lists;
+    for (const Bytes& bytes : engine.exchange().swap(taken(toEach)))
+    {
+        if (!bytes.empty())
+        {
+            lists.push_back(Incoming(bytes).get<std::vector<ContactRecord>>());
+        }
+    }
+    return SortedContacts(joined(lists)).records();
+}
+
 } // End anonymous namespace
 
 
 void contactHistory::write(const cloud& c, const elutria::dem::Engine& engine)
 {
-    const auto records = engine.exportContacts();
+    const auto records = allContacts(engine);
 
     IOField<label> names
     (
@@ -85,7 +107,10 @@ void contactHistory::read(const cloud& c, elutria::dem::Engine& engine)
         records[i].wall = name[4];
         records[i].tangential = toEngine(displacements[i]);
     }
-    engine.importContacts(records);
+    if (Pstream::master())
+    {
+        engine.importContacts(records);
+    }
 }
 
 

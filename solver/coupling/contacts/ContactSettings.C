@@ -20,6 +20,7 @@
 #include "wallPolyPatch.H"
 #include "volFields.H"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace Foam
@@ -345,6 +346,54 @@ wordList wallPatchNames(const polyMesh& mesh)
 }
 
 
+namespace
+{
+
+//- Every processor's entry, on every processor
+template<class T>
+void everyones(List<T>& ofProcessors)
+{
+    Pstream::gatherList(ofProcessors);
+    elutriaBroadcast(ofProcessors);
+}
+
+
+//- Index of each face in the mesh before it was decomposed; the own index where
+//  that is not known
+labelList facesOfWholeMesh(const polyMesh& mesh)
+{
+    labelList faces(identity(mesh.nFaces()));
+    if (Pstream::parRun())
+    {
+        const labelIOList addressing
+        (
+            IOobject
+            (
+                "faceProcAddressing",
+                mesh.facesInstance(),
+                polyMesh::meshSubDir,
+                mesh,
+                IOobject::READ_IF_PRESENT,
+                IOobject::NO_WRITE,
+                false
+            )
+        );
+        const bool known = addressing.size() == faces.size();
+        if (returnReduce(known, andOp<bool>()))
+        {
+            forAll(faces, facei)
+            {
+                // Counted from 1, negative where turned
+                faces[facei] = mag(addressing[facei]) - 1;
+            }
+        }
+    }
+    return faces;
+}
+
+} // End anonymous namespace
+
+
 elutria::dem::Walls collectWalls
 (
     const volVectorField& U,
@@ -360,10 +409,13 @@ elutria::dem::Walls collectWalls
     List<pointField> corners(Pstream::nProcs());
     List<labelList> wallOf(Pstream::nProcs());
     List<labelList> faceOf(Pstream::nProcs());
+    List<labelList> placeOf(Pstream::nProcs());
     labelList faces(Pstream::nProcs(), 0);
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
     DynamicList<label> ownFace;
+    DynamicList<label> ownPlace;
+    const labelList wholeFaces(facesOfWholeMesh(mesh));
     label& nFaces = faces[Pstream::myProcNo()];
 
     const label symmetry = wallPatchNames(mesh).size();
@@ -375,8 +427,9 @@ elutria::dem::Walls collectWalls
             continue;
         }
         const label wall = isSymmetry(patch) ? symmetry : walls++;
-        for (const face& f : patch)
+        forAll(patch, patchFacei)
         {
+            const face& f = patch[patchFacei];
             const label facei = wall == symmetry ? -1 : nFaces++;
             faceList triangles(f.nTriangles());
             label n = 0;
@@ -389,16 +442,20 @@ elutria::dem::Walls collectWalls
                 }
                 ownWall.append(wall);
                 ownFace.append(facei);
+                ownPlace.append(wholeFaces[patch.start() + patchFacei]);
             }
         }
     }
-    corners[Pstream::myProcNo()] = ownCorners;
-    wallOf[Pstream::myProcNo()] = ownWall;
-    Pstream::gatherList(corners);
-    faceOf[Pstream::myProcNo()] = ownFace;
-    Pstream::gatherList(wallOf);
-    Pstream::gatherList(faceOf);
-    Pstream::gatherList(faces);
+    const label me = Pstream::myProcNo();
+    corners[me] = ownCorners;
+    wallOf[me] = ownWall;
+    faceOf[me] = ownFace;
+    placeOf[me] = ownPlace;
+    everyones(corners);
+    everyones(wallOf);
+    everyones(faceOf);
+    everyones(placeOf);
+    everyones(faces);
 
     elutria::dem::WallGeometry geometry;
     const bool moves = anyWallMoves(U);
@@ -406,42 +463,49 @@ elutria::dem::Walls collectWalls
     {
         geometry.motions = wallMotions(U);
     }
-    if (Pstream::master())
+    // In the order of the whole mesh: results do not show the decomposition
+    struct Triangle { label place, proci, i; };
+    std::vector<Triangle> triangles;
+    labelList firstFace(Pstream::nProcs(), 0);
+    forAll(corners, proci)
     {
-        label firstFace = 0;
-        // Triangles share points, across processors too
-        HashTable<uint32_t, point, Hash<point>> known;
-        forAll(corners, proci)
+        firstFace[proci] = proci ? firstFace[proci - 1] + faces[proci - 1] : 0;
+        forAll(wallOf[proci], i)
         {
-            forAll(wallOf[proci], i)
+            triangles.push_back({placeOf[proci][i], proci, i});
+        }
+    }
+    std::stable_sort
+    (
+        triangles.begin(), triangles.end(),
+        [](const Triangle& a, const Triangle& b) { return a.place < b.place; }
+    );
+
+    // Triangles share points, across processors too
+    HashTable<uint32_t, point, Hash<point>> known;
+    for (const Triangle& t : triangles)
+    {
+        std::array<uint32_t, 3> triangle;
+        for (label k = 0; k < 3; ++k)
+        {
+            const point& p = corners[t.proci][3*t.i + k];
+            if (!known.found(p))
             {
-                std::array<uint32_t, 3> triangle;
-                for (label k = 0; k < 3; ++k)
-                {
-                    const point& p = corners[proci][3*i + k];
-                    if (!known.found(p))
-                    {
-                        known.insert(p, geometry.points.size());
-                        geometry.points.push_back(toEngine(p));
-                    }
-                    triangle[k] = known[p];
-                }
-                geometry.triangles.push_back(triangle);
-                geometry.material.push_back
-                (
-                    firstMaterial + wallOf[proci][i]
-                );
-                if (moves)
-                {
-                    const label facei = faceOf[proci][i];
-                    geometry.motion.push_back
-                    (
-                        facei < 0 ? geometry.motions.size() - 1
-                      : firstFace + facei
-                    );
-                }
+                known.insert(p, geometry.points.size());
+                geometry.points.push_back(toEngine(p));
             }
-            firstFace += faces[proci];
+            triangle[k] = known[p];
+        }
+        geometry.triangles.push_back(triangle);
+        geometry.material.push_back(firstMaterial + wallOf[t.proci][t.i]);
+        if (moves)
+        {
+            const label facei = faceOf[t.proci][t.i];
+            geometry.motion.push_back
+            (
+                facei < 0 ? geometry.motions.size() - 1
+              : firstFace[t.proci] + facei
+            );
         }
     }
     return elutria::dem::Walls(std::move(geometry), box);

@@ -7,6 +7,7 @@
 
 #include "contacts/WallMotion.H"
 #include "foam/engineVectors.H"
+#include "foam/foamVersion.H"
 #include "wallPolyPatch.H"
 #include "volFields.H"
 
@@ -84,19 +85,17 @@ std::vector<elutria::dem::WallMotion> wallMotions(const volVectorField& U)
     }
     velocities[Pstream::myProcNo()] = vectorField(own);
     Pstream::gatherList(velocities);
+    elutriaBroadcast(velocities);
 
     std::vector<elutria::dem::WallMotion> motions;
-    if (Pstream::master())
+    for (const vectorField& ofProcessor : velocities)
     {
-        for (const vectorField& ofProcessor : velocities)
+        for (const vector& v : ofProcessor)
         {
-            for (const vector& v : ofProcessor)
-            {
-                motions.push_back({toEngine(v), {}, {}});
-            }
+            motions.push_back({toEngine(v), {}, {}});
         }
-        motions.push_back({});
     }
+    motions.push_back({});
     return motions;
 }
 

@@ -36,6 +36,20 @@ struct PeriodicBox
         return difference;
     }
 
+    /// Way from the shortest image of a difference to the difference: whole lengths of the box.
+    Vector3 image(const Vector3& difference) const
+    {
+        Vector3 way;
+        for (int axis = 0; axis < 3; ++axis)
+        {
+            if (!periodic[axis]) continue;
+            const double length = high[axis] - low[axis];
+            if (std::abs(difference[axis]) <= 0.5*length) continue;
+            way[axis] = length*nearest(difference[axis]/length);
+        }
+        return way;
+    }
+
     /// The image of a position inside [low, high).
     Vector3 wrapped(Vector3 position) const
     {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 
 namespace elutria::dem
 {
@@ -13,6 +14,9 @@ struct TooMuchWork : std::runtime_error
 {
     /// Sub-steps times particles of one call, at most.
     static constexpr double most = 1e10;
+
+    /// What another rank found.
+    explicit TooMuchWork(const std::string& message) : std::runtime_error(message) {}
 
     TooMuchWork(double duration, double steps, std::size_t particles)
       : std::runtime_error(

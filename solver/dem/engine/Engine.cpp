@@ -3,6 +3,8 @@
 #include "core/TooMuchWork.hpp"
 #include "core/text.hpp"
 #include "islands/AdaptiveIntegrator.hpp"
+#include "parallel/Agreement.hpp"
+#include "parallel/Gathered.hpp"
 #include "soft/SoftIntegrator.hpp"
 
 #include <algorithm>
@@ -19,19 +21,21 @@ struct Engine::Implementation
     Walls walls;
     LawTables laws;
     SoftIntegrator soft;
+    Exchange& exchange;
     AdaptiveIntegrator adaptive;
     bool warnedOfSeparation = false;   // once is enough: a feed may do so in every step
 
-    Implementation(Settings s, ContactMaterials m, Walls w)
+    Implementation(Settings s, ContactMaterials m, Walls w, Exchange& e)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        laws(settings, materials), soft(settings, laws, walls),
+        laws(settings, materials), soft(settings, laws, walls), exchange(e),
         adaptive(settings, materials, laws, walls, soft,
                [this](const Particles& p, double speed)
-               { return settings.step > 0 ? settings.step : stepLimit(p, speed); })
+               { return settings.step > 0 ? settings.step : stepLimit(p, speed); }, exchange)
     {}
 
     bool softOnly() const { return settings.treatment == ContactTreatment::soft; }
     double stepLimit(const Particles& particles, double speed) const;
+    void runSoft(Particles& particles, double duration, StepReport& report);
 };
 
 namespace
@@ -137,7 +141,7 @@ void warn(const Settings& settings, StepReport& report, bool& warnedOfSeparation
 
 } // namespace
 
-Engine::Engine(Settings settings, ContactMaterials materials, Walls walls)
+Engine::Engine(Settings settings, ContactMaterials materials, Walls walls, Exchange& exchange)
 {
     check(settings);
     materials.check();
@@ -147,7 +151,7 @@ Engine::Engine(Settings settings, ContactMaterials materials, Walls walls)
                 "0 to " + std::to_string(materials.size() - 1));
     }
     self_ = std::make_unique<Implementation>(std::move(settings), std::move(materials),
-                                             std::move(walls));
+                                             std::move(walls), exchange);
 }
 
 Engine::~Engine() = default;
@@ -157,20 +161,15 @@ Engine& Engine::operator=(Engine&&) noexcept = default;
 StepReport Engine::advance(Particles& particles, double duration)
 {
     require(duration > 0 && std::isfinite(duration), "duration", duration, "above 0 s");
-    check(particles, self_->materials.size());
+    together(self_->exchange, [&] { check(particles, self_->materials.size()); });
     StepReport report;
-    if (self_->softOnly())
-    {
-        const double limit =
-            self_->settings.step > 0 ? self_->settings.step : stepLimit(particles);
-        const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
-        refuseTooMuchWork(duration, steps, particles.size());
-        self_->soft.run(particles, duration, std::size_t(steps), report);
-    }
-    else
-    {
-        self_->adaptive.advance(particles, duration, report);
-    }
+    report.particles = particles.size();
+    if (self_->softOnly()) self_->runSoft(particles, duration, report);
+    else self_->adaptive.advance(particles, duration, report);
+    report.own = report;
+    StepCounts all;
+    for (const StepCounts& ofRank : shareEach<StepCounts>(self_->exchange, report)) all.add(ofRank);
+    static_cast<StepCounts&>(report) = all;
     warn(self_->settings, report, self_->warnedOfSeparation);
     return report;
 }
@@ -178,9 +177,39 @@ StepReport Engine::advance(Particles& particles, double duration)
 void Engine::contactForces(const Particles& particles, double step, VectorArray& force,
                            VectorArray& torque)
 {
-    check(particles, self_->materials.size());
+    together(self_->exchange, [&] { check(particles, self_->materials.size()); });
     self_->adaptive.useSoft();
-    self_->soft.contactForces(particles, step, force, torque);
+    if (self_->exchange.alone())
+        return self_->soft.contactForces(particles, step, force, torque);
+    Particles own = particles;
+    Gathered gathered(self_->exchange, own);
+    Particles& all = gathered.everyone();
+    together(self_->exchange, [&]
+    {
+        if (!gathered.here()) return;
+        self_->soft.contactForces(all, step, force, torque);
+        std::swap(all.velocity, force);
+        std::swap(all.spin, torque);
+    });
+    gathered.giveBack();
+    force = std::move(own.velocity);
+    torque = std::move(own.spin);
+}
+
+/// By the first rank.
+void Engine::Implementation::runSoft(Particles& particles, double duration, StepReport& report)
+{
+    Gathered gathered(exchange, particles);
+    Particles& all = gathered.everyone();
+    together(exchange, [&]
+    {
+        if (!gathered.here()) return;
+        const double limit = settings.step > 0 ? settings.step : stepLimit(all, 0);
+        const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
+        refuseTooMuchWork(duration, steps, all.size());
+        soft.run(all, duration, std::size_t(steps), report);
+    });
+    gathered.giveBack();
 }
 
 std::vector<ContactRecord> Engine::exportContacts() const
@@ -253,5 +282,6 @@ double Engine::storedEnergy(double radius, double overlap) const
 const Settings& Engine::settings() const { return self_->settings; }
 const ContactMaterials& Engine::materials() const { return self_->materials; }
 const Walls& Engine::walls() const { return self_->walls; }
+Exchange& Engine::exchange() const { return self_->exchange; }
 
 } // namespace elutria::dem

@@ -4,6 +4,7 @@
 #include "core/Particles.hpp"
 #include "core/StepReport.hpp"
 #include "laws/Settings.hpp"
+#include "parallel/Exchange.hpp"
 #include "walls/Walls.hpp"
 
 #include <memory>
@@ -16,11 +17,18 @@ namespace elutria::dem
 ///
 /// The result does not depend on the number of threads, and not on the caller's particle order
 /// as long as ids stay with their particles. Lists and contact history live on between calls.
+///
+/// Particles may be distributed over ranks, each with an engine of the same settings, materials and
+/// walls: then all ranks make the same calls, each with its own particles, whose ids are unique over
+/// all ranks, and may hand particles to each other between calls. What is not allowed, or fails, on one
+/// rank throws on all.
 class Engine
 {
 public:
     /// Throws std::invalid_argument with a one-line message.
-    Engine(Settings settings, ContactMaterials materials, Walls walls = {});
+    /// `exchange` must outlive the engine.
+    Engine(Settings settings, ContactMaterials materials, Walls walls = {},
+           Exchange& exchange = alone());
     ~Engine();
     Engine(Engine&&) noexcept;
     Engine& operator=(Engine&&) noexcept;
@@ -28,7 +36,7 @@ public:
     /// One gas step of `duration` seconds: sub-steps, contacts, walls. Updates position (kept
     /// inside a periodic box), velocity, spin and dragImpulse.
     /// Throws std::invalid_argument for arrays of unequal length or values not allowed,
-    /// std::runtime_error where the motion diverges.
+    /// std::runtime_error where the motion diverges. The report is that of all ranks.
     StepReport advance(Particles& particles, double duration);
 
     /// One evaluation at the given positions, the tangential history advanced by `step` seconds:
@@ -37,7 +45,8 @@ public:
                        VectorArray& torque);
 
     /// History of the contacts that last, sorted by first, second. After importContacts() of the
-    /// same records the engine continues as the one that exported them.
+    /// same records the engine continues as the one that exported them. Each rank has a part; on which
+    /// ranks records are imported does not matter.
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
@@ -58,6 +67,7 @@ public:
     const Settings& settings() const;
     const ContactMaterials& materials() const;
     const Walls& walls() const;
+    Exchange& exchange() const;
 
 private:
     struct Implementation;

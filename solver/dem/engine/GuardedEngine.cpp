@@ -3,6 +3,8 @@
 #include "core/ParticleName.hpp"
 #include "core/TooMuchWork.hpp"
 #include "core/text.hpp"
+#include "islands/Census.hpp"
+#include "parallel/Message.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,14 +86,18 @@ double forcingWork(const Particles& p, double fastest, double duration)
 StepReport GuardedEngine::advance(Particles& particles, double duration, int retakes)
 {
     const bool soft = engine_->settings().treatment == ContactTreatment::soft;
-    overlapRemoval_.place(particles, engine_->walls(), engine_->settings().box, soft);
+    Exchange& exchange = engine_->exchange();
+    overlapRemoval_.place(particles, engine_->walls(), engine_->settings().box, soft, exchange);
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
     const Settings settings = engine_->settings();
     std::vector<Warning> warnings;
-    if (settings.step > 0 && particles.size() > 0)
+    if (settings.step > 0)
     {
-        const double most = engine_->stepLimit(particles)/settings.stepFraction*largestFraction_;
+        const double limit = exchange.alone()
+            ? engine_->stepLimit(particles)
+            : engine_->stepLimit(takeCensus(exchange, particles, 0).extremes);
+        const double most = limit/settings.stepFraction*largestFraction_;
         if (settings.step > most)
         {
             warnings.push_back({"contactStep", "the contact step asked for is too long",
@@ -125,10 +131,10 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
             trouble = error.what();
             broken = true;
         }
-        broken = broken || (!trouble.empty() && !isFinite(particles));
+        broken = broken || (!trouble.empty() && sum(isFinite(particles) ? 0 : 1) > 0);
         if (attempt == 0) firstEnergy = kineticEnergy(particles);
         if (attempt == retakes && attempt > 0 && !trouble.empty() && !broken
-            && kineticEnergy(particles) > 0.5*firstEnergy)
+            && sum(kineticEnergy(particles)) > 0.5*sum(firstEnergy))
         {
             // Smaller steps give the same: overlaps that the call was given
             warnings.push_back({"contactEnergy", "contacts are not sound at any sub-step", trouble,
@@ -168,7 +174,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
 void GuardedEngine::reset(const Settings& settings)
 {
     const std::vector<ContactRecord> history = engine_->exportContacts();
-    engine_ = std::make_unique<Engine>(settings, engine_->materials(), engine_->walls());
+    engine_ = std::make_unique<Engine>(settings, engine_->materials(), engine_->walls(),
+                                       engine_->exchange());
     engine_->importContacts(history);
 }
 
@@ -178,8 +185,47 @@ void GuardedEngine::refine(double factor, const std::vector<ContactRecord>& hist
     Settings finer = engine_->settings();
     if (finer.step > 0) finer.step *= factor;
     else finer.stepFraction *= factor;
-    engine_ = std::make_unique<Engine>(finer, engine_->materials(), engine_->walls());
+    engine_ = std::make_unique<Engine>(finer, engine_->materials(), engine_->walls(),
+                                       engine_->exchange());
     engine_->importContacts(history);
+}
+
+
+double GuardedEngine::sum(double ofRank) const
+{
+    double all = 0;
+    for (const double each : shareEach(engine_->exchange(), ofRank)) all += each;
+    return all;
+}
+
+
+/// Energy that the contacts can hold, J. A contact counts for the smaller of the two: its radius bounds
+/// the effective one. The most that as many contacts can hold is with the largest particles.
+double GuardedEngine::held(std::vector<double> radius) const
+{
+    const ContactMaterials& materials = engine_->materials();
+    double friction = 0;
+    for (std::uint32_t a = 0; a < materials.size(); ++a)
+        for (std::uint32_t b = 0; b <= a; ++b)
+            friction = std::max(friction, materials.pair(a, b).friction);
+    const std::size_t enough = contacts_/neighbours + 1;
+    const auto largestFirst = [&]
+    {
+        std::sort(radius.begin(), radius.end(), std::greater<>());
+        radius.resize(std::min(radius.size(), enough));
+    };
+    largestFirst();
+    radius = joined(shareEach(engine_->exchange(), radius));
+    largestFirst();
+    double sum = 0;
+    std::size_t left = std::min(contacts_, neighbours*radius.size());
+    for (std::size_t i = 0; left > 0; ++i)
+    {
+        const std::size_t here = std::min(left, neighbours);
+        sum += double(here)*engine_->storedEnergy(radius[i], overlap_*radius[i]);
+        left -= here;
+    }
+    return sum*(1 + 2*friction*friction);                // with what tangential springs hold
 }
 
 
@@ -188,50 +234,50 @@ double GuardedEngine::energyAllowed(const Particles& before, const Particles& af
 {
     if (!overlapKnown_) return std::numeric_limits<double>::infinity();
 
-    const ContactMaterials& materials = engine_->materials();
-    double friction = 0;
-    for (std::uint32_t a = 0; a < materials.size(); ++a)
-        for (std::uint32_t b = 0; b <= a; ++b)
-            friction = std::max(friction, materials.pair(a, b).friction);
-    // A contact counts for the smaller of the two: its radius bounds the effective one. The most
-    // that as many contacts can hold is with the largest particles.
-    std::vector<double> radius = before.radius;
-    std::sort(radius.begin(), radius.end(), std::greater<>());
-    double held = 0;
-    std::size_t left = std::min(contacts_, neighbours*radius.size());
-    for (std::size_t i = 0; left > 0; ++i)
-    {
-        const std::size_t here = std::min(left, neighbours);
-        held += double(here)*engine_->storedEnergy(radius[i], overlap_*radius[i]);
-        left -= here;
-    }
-    held *= 1 + 2*friction*friction;                     // with what tangential springs hold
-    return margin*(kineticEnergy(before) + held
-                   + wallWork(before, engine_->walls().largestSpeed())
-                   + forcingWork(before, std::max(largestSpeed(before), largestSpeed(after)),
-                                 duration));
+    double fastest = 0;
+    for (const double ofRank : shareEach(engine_->exchange(),
+                                         std::max(largestSpeed(before), largestSpeed(after))))
+        fastest = std::max(fastest, ofRank);
+    return margin*(held(before.radius)
+                   + sum(kineticEnergy(before) + wallWork(before, engine_->walls().largestSpeed())
+                         + forcingWork(before, fastest, duration)));
 }
 
 
 std::string GuardedEngine::unsound(const Particles& before, const Particles& after,
                                    double duration) const
 {
-    for (std::size_t i = 0; i < after.size(); ++i)
+    Exchange& exchange = engine_->exchange();
+    std::string lost;
+    for (std::size_t i = 0; lost.empty() && i < after.size(); ++i)
         if (!isFinite(after, i))
-            return "the motion of particle " + std::to_string(ParticleName(after.id[i]).number)
+            lost = "the motion of particle " + std::to_string(ParticleName(after.id[i]).number)
                    + " is not finite";
-
-    const double energy = kineticEnergy(after);
-    if (energy <= margin*kineticEnergy(before)) return "";      // mostly: no need to look closer
+    Outgoing mine;
+    mine << lost << kineticEnergy(before) << kineticEnergy(after);
+    double energyBefore = 0, energy = 0;
+    for (const Bytes& bytes : exchange.share(mine.take()))
+    {
+        Incoming in(bytes);
+        lost = in.get<std::string>();
+        if (!lost.empty()) return lost;
+        energyBefore += in.get<double>(), energy += in.get<double>();
+    }
+    if (energy <= margin*energyBefore) return "";        // mostly: no need to look closer
     const double allowed = energyAllowed(before, after, duration);
     if (energy <= allowed) return "";
-    std::size_t fastest = 0;
+
+    struct Fastest { double square; std::uint64_t id; Vector3 place; };
+    Fastest fastest{-1, 0, {}};
     for (std::size_t i = 0; i < after.size(); ++i)
-        if (squaredNorm(after.velocity[i]) > squaredNorm(after.velocity[fastest])) fastest = i;
-    const Vector3 place = before.position[fastest];
+        if (squaredNorm(after.velocity[i]) > fastest.square)
+            fastest = {squaredNorm(after.velocity[i]), after.id[i], before.position[i]};
+    for (const Fastest& ofRank : shareEach(exchange, fastest))
+        if (ofRank.square > fastest.square) fastest = ofRank;
+    const Vector3 place = fastest.place;
     return "contacts made energy: " + text(energy) + " J where at most " + text(allowed)
            + " J can be; the fastest is particle "
-           + std::to_string(ParticleName(after.id[fastest]).number) + " at (" + text(place.x) + " "
+           + std::to_string(ParticleName(fastest.id).number) + " at (" + text(place.x) + " "
            + text(place.y) + " " + text(place.z) + ") m";
 }
 

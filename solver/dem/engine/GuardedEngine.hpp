@@ -22,7 +22,7 @@ public:
       : engine_(std::move(engine)), largestFraction_(largestFraction)
     {}
 
-    /// As Engine::advance(), rejected steps included. Energy that smaller sub-steps do not remove is
+    /// As Engine::advance() on all ranks, rejected steps included. Energy that smaller sub-steps do not remove is
     /// reported and kept: it is that of overlaps. After any other failure and `retakes` repetitions
     /// throws std::runtime_error that says which particle and why, with particles and contacts as
     /// they were before.
@@ -33,6 +33,8 @@ public:
 
 private:
     double energyAllowed(const Particles& before, const Particles& after, double duration) const;
+    double held(std::vector<double> radius) const;
+    double sum(double ofRank) const;
     std::string unsound(const Particles& before, const Particles& after, double duration) const;
     void refine(double factor, const std::vector<ContactRecord>& history);
     void reset(const Settings& settings);

@@ -1,5 +1,8 @@
 #include "engine/OverlapRemoval.hpp"
 
+#include "parallel/Gathered.hpp"
+#include "parallel/Message.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,18 +41,34 @@ bool moveOut(Particles& p, std::size_t i, const Walls& walls, const PeriodicBox&
 
 
 void OverlapRemoval::place(Particles& particles, const Walls& walls, const PeriodicBox& box,
-                      bool spheres)
+                           bool spheres, Exchange& exchange)
 {
-    std::uint64_t latest = latest_;
-    for (std::size_t i = 0; i < particles.size(); ++i)
+    struct Seen { std::uint64_t latest; bool none; };
+    Seen all{latest_, particles.size() == 0};
+    for (const std::uint64_t id : particles.id) all.latest = std::max(all.latest, id);
+    for (const Seen& ofRank : shareEach(exchange, all))
     {
-        if (particles.id[i] > latest_ && !first_)
-            for (int move = 0;
-                 move < mostMoves && moveOut(particles, i, walls, box, spheres); ++move) {}
-        latest = std::max(latest, particles.id[i]);
+        all.latest = std::max(all.latest, ofRank.latest);
+        all.none = all.none && ofRank.none;
     }
-    latest_ = latest;
-    first_ = first_ && particles.size() == 0;
+    const auto placeIn = [&](Particles& p)
+    {
+        for (std::size_t i = 0; i < p.size(); ++i)
+            if (p.id[i] > latest_)
+                for (int move = 0; move < mostMoves && moveOut(p, i, walls, box, spheres); ++move) {}
+    };
+    if (!first_ && all.latest > latest_)
+    {
+        if (spheres)
+        {
+            Gathered gathered(exchange, particles);
+            if (gathered.here()) placeIn(gathered.everyone());
+            gathered.giveBack();
+        }
+        else placeIn(particles);
+    }
+    latest_ = all.latest;
+    first_ = first_ && all.none;
 }
 
 } // namespace elutria::dem

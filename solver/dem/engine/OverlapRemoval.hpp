@@ -2,6 +2,7 @@
 
 #include "core/Particles.hpp"
 #include "core/PeriodicBox.hpp"
+#include "parallel/Exchange.hpp"
 #include "walls/Walls.hpp"
 
 #include <cstdint>
@@ -18,7 +19,9 @@ class OverlapRemoval
 public:
     /// Moves entering spheres only, out of walls and, if asked, out of `spheres`; in a crowd some
     /// overlap may stay.
-    void place(Particles& particles, const Walls& walls, const PeriodicBox& box, bool spheres);
+    /// All ranks call it.
+    void place(Particles& particles, const Walls& walls, const PeriodicBox& box, bool spheres,
+               Exchange& exchange = alone());
 
 private:
     bool first_ = true;

@@ -5,7 +5,8 @@
 #include "core/text.hpp"
 #include "core/forEach.hpp"
 #include "impacts/StochasticCollisions.hpp"
-#include "islands/OverlapSeparation.hpp"
+#include "parallel/Agreement.hpp"
+#include "parallel/Gathered.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,11 +31,13 @@ constexpr double workOfSearch = 4;           // of a particle, in sub-steps
 
 AdaptiveIntegrator::AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
                                        const LawTables& laws, const Walls& walls,
-                                       SoftIntegrator& soft, IslandStepper::StepLimit stepLimit)
-  : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit),
+                                       SoftIntegrator& soft, IslandStepper::StepLimit stepLimit,
+                                       Exchange& exchange)
+  : settings_(settings), walls_(walls), soft_(soft), stepLimit_(stepLimit), exchange_(exchange),
     impacts_(laws, materials), states_(settings), boundPairs_(settings),
     search_(settings, walls, boundPairs_),
-    steppers_(settings, laws, walls, impacts_, stepLimit), pathCheck_(settings, boundPairs_)
+    steppers_(settings, laws, walls, impacts_, stepLimit), pathCheck_(settings, boundPairs_),
+    ghosts_(settings, exchange), shared_(exchange, steppers_)
 {}
 
 
@@ -55,23 +58,37 @@ void AdaptiveIntegrator::importContacts(const std::vector<ContactRecord>& record
 void AdaptiveIntegrator::useSoft()
 {
     if (softRules_) return;
-    soft_.importContacts(contacts_.records());
+    if (exchange_.alone()) soft_.importContacts(contacts_.records());
+    else
+    {
+        std::vector<Outgoing> toEach(exchange_.ranks());
+        toEach[0] << contacts_.records();
+        std::vector<ContactRecord> all;
+        for (const Bytes& bytes : exchange_.swap(taken(toEach)))
+        {
+            if (bytes.empty()) continue;
+            const auto records = Incoming(bytes).get<std::vector<ContactRecord>>();
+            all.insert(all.end(), records.begin(), records.end());
+        }
+        soft_.importContacts(all);
+    }
     softRules_ = true;
 }
 
 
 void AdaptiveIntegrator::advance(Particles& particles, double duration, StepReport& report)
 {
-    if (particles.size() == 0) return;
+    all_ = takeCensus(exchange_, particles, contactEnds_);
+    if (all_.particles == 0) return;
     const bool forced = settings_.treatment == ContactTreatment::impact;
-    const double softStep = stepLimit_(particles, 0);
+    const double softStep = stepLimit_(exchange_.alone() ? particles : all_.extremes, 0);
     // from the state alone, so that a restart decides alike
-    if (!forced && (duration <= fewSubSteps*softStep || 2*contactEnds_ > particles.size()))
-        return runSoft(particles, duration, report);
+    if (!forced && (duration <= fewSubSteps*softStep || 2*all_.contactEnds > all_.particles))
+        return runSoft(particles, duration, false, report);
     if (softRules_) importContacts(soft_.exportContacts());
 
-    states_.load(particles);
-    workLeft_ = std::min(mostOverSoft*duration/softStep*(double(particles.size()) + 20),
+    load(particles, all_.weighted);
+    workLeft_ = std::min(mostOverSoft*duration/softStep*(double(all_.particles) + 20),
                          TooMuchWork::most);
     const double whole = std::ldexp(1.0, mostCuts);      // a piece is a power of two of these
     double done = 0, length = whole;
@@ -94,7 +111,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
                         "collide",
                         "more than " + text(mostOverSoft) + " times the work of contact steps for all",
                         "lower deltaT, or feed fewer particles", 1 - done/whole});
-                return runSoft(particles, duration*(1 - done/whole), report);
+                return runSoft(particles, duration*(1 - done/whole), true, report);
             case Outcome::done:
                 done += length;
                 ++report.pieces;
@@ -105,13 +122,26 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
 }
 
 
-/// The soft law for all.
-void AdaptiveIntegrator::runSoft(Particles& particles, double duration, StepReport& report)
+/// The soft law for all, on the first rank; `continued`: for the rest of a step.
+void AdaptiveIntegrator::runSoft(Particles& particles, double duration, bool continued,
+                                 StepReport& report)
 {
     const Stopwatch watch(report.softSeconds);
-    const bool continued = !softRules_ && !particles.dragRate.empty();
-    const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
     useSoft();
+    Gathered gathered(exchange_, particles);
+    together(exchange_, [&]
+    {
+        if (gathered.here()) runSoftHere(gathered.everyone(), duration, continued, report);
+    });
+    gathered.giveBack();
+}
+
+
+void AdaptiveIntegrator::runSoftHere(Particles& particles, double duration, bool continued,
+                                     StepReport& report)
+{
+    continued = continued && !particles.dragRate.empty();
+    const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
     const double steps =
         std::max(1.0, std::ceil(duration/stepLimit_(particles, 0)*(1 - 1e-12)));
     refuseTooMuchWork(duration, steps, particles.size());
@@ -133,21 +163,16 @@ AdaptiveIntegrator::Outcome AdaptiveIntegrator::advancePiece(double duration, st
         const Stopwatch watch(report.searchSeconds);
         if (!findCandidates(piece, report))
             return mayCut ? Outcome::tooLong : Outcome::contactsRule;
-        partition(states_.size(), candidates_, partition_);
-        const std::size_t largest = partition_.largestWithoutContacts();
+        const std::size_t largest = formIslands();
         if (largest > crowd && mayCut) return Outcome::tooLong;
         if (largest > 16*crowd && !forced) return Outcome::contactsRule;
     }
     results_.clear();
     results_.resize(partition_.islands.size());
-    toStep_.resize(partition_.islands.size());
-    std::iota(toStep_.begin(), toStep_.end(), 0u);
     do
     {
-        steppers_.run(piece, partition_.islands, toStep_, results_);
-        workLeft_ -= workOf(toStep_);
-        if (workLeft_ < 0) return Outcome::contactsRule;
-        if (mayCut && crowds()) return Outcome::tooLong;
+        const Outcome outcome = stepIslands(piece, mayCut);
+        if (outcome != Outcome::done) return outcome;
     }
     while (mergeWhatMeets(piece, report));
     finishPiece(piece, report);
@@ -155,11 +180,40 @@ AdaptiveIntegrator::Outcome AdaptiveIntegrator::advancePiece(double duration, st
 }
 
 
-/// Of the islands just stepped, and of the search for what they meet.
-double AdaptiveIntegrator::workOf(const std::vector<std::uint32_t>& islands) const
+AdaptiveIntegrator::Outcome AdaptiveIntegrator::stepIslands(const Piece& piece, bool mayCut)
 {
-    double sum = workOfSearch*double(states_.size());
-    for (const std::uint32_t k : islands) sum += results_[k].work();
+    shared_.gather(piece, partition_);
+    struct Round { double work; bool crowded; };
+    const std::vector<Bytes> rounds = shareMade(exchange_, [&]
+    {
+        steppers_.run(piece, partition_.islands, toStep_, results_);
+        shared_.run();
+        Outgoing out;
+        out << Round{workOfRound(), mayCut && crowds()};
+        return out.take();
+    });
+    double work = workOfSearch*double(all_.particles);       // of the search for what they meet
+    bool crowded = false;
+    for (const Bytes& bytes : rounds)
+    {
+        const auto round = Incoming(bytes).get<Round>();
+        work += round.work;
+        crowded = crowded || round.crowded;
+    }
+    workLeft_ -= work;
+    if (workLeft_ < 0) return Outcome::contactsRule;
+    if (crowded) return Outcome::tooLong;
+    shared_.sendHome(results_);
+    return Outcome::done;
+}
+
+
+/// Of the islands just stepped.
+double AdaptiveIntegrator::workOfRound() const
+{
+    double sum = 0;
+    for (const std::uint32_t k : toStep_) sum += results_[k].work();
+    shared_.forEachResult(true, [&](const IslandResult& result) { sum += result.work(); });
     return sum;
 }
 
@@ -170,18 +224,19 @@ bool AdaptiveIntegrator::findCandidates(const Piece& piece, StepReport& report)
 {
     for (int round = 0;; ++round)
     {
-        if (!flyFreely(piece, settings_, flights_)) return false;
-        search_.find(piece, flights_, candidates_);
+        if (!flyFreely(piece)) return false;
+        if (exchange_.alone()) search_.find(piece, flights_, candidates_);
+        else findAmongRanks(piece, report);
         report.candidates += boundPairs_.size();
-        if (candidates_.overlaps.empty() || round == separationRounds) break;
-        report.separated += candidates_.overlaps.size();
-        separate(states_.all(), candidates_.overlaps, walls_, settings_.box);
+        const std::size_t overlaps =
+            exchange_.alone() ? candidates_.overlaps.size() : overlaps_.overlaps.size();
+        if (overlaps == 0 || round == separationRounds) break;
+        if (exchange_.rank() == 0) report.separated += overlaps;
+        separateOverlaps();
     }
     for (const Overlap& overlap : candidates_.overlaps)
-    {
-        candidates_.touching.push_back(overlap.first);
-        if (overlap.second != Overlap::wall) candidates_.touching.push_back(overlap.second);
-    }
+        for (const std::uint32_t i : {overlap.first, overlap.second})
+            if (i < piece.own()) candidates_.touching.push_back(i);
     return true;
 }
 
@@ -190,10 +245,16 @@ bool AdaptiveIntegrator::findCandidates(const Piece& piece, StepReport& report)
 bool AdaptiveIntegrator::crowds() const
 {
     if (!states_.weighted()) return false;
+    bool crowded = false;
+    const auto look = [&](std::size_t particles, const IslandResult& result)
+    {
+        crowded = crowded || particles > (result.soft() ? softCrowd : crowd);
+    };
     for (std::size_t k = 0; k < results_.size(); ++k)
-        if (partition_.islands[k].particles.size() > (results_[k].soft() ? softCrowd : crowd))
-            return true;
-    return false;
+        if (shared_.nameOf(k) == SharedIslands::none)
+            look(partition_.islands[k].particles.size(), results_[k]);
+    shared_.forEachResult(false, [&](const IslandResult& r) { look(r.end.size(), r); });
+    return crowded;
 }
 
 
@@ -201,6 +262,7 @@ bool AdaptiveIntegrator::crowds() const
 bool AdaptiveIntegrator::mergeWhatMeets(const Piece& piece, StepReport& report)
 {
     const Stopwatch watch(report.searchSeconds);
+    if (!exchange_.alone()) return mergeWhatMeetsAmongRanks(piece, report);
     const std::vector<Pair> hits = pathCheck_.find(piece, partition_, results_, toStep_,
                                                    flights_.frame, flights_.bounds);
     if (hits.empty()) return false;
@@ -227,25 +289,30 @@ void AdaptiveIntegrator::finishPiece(const Piece& piece, StepReport& report)
     report.freeParticles = all.size();
     report.softParticles = 0;
     std::vector<ContactRecord> lasting;
-    for (std::size_t k = 0; k < results_.size(); ++k)
+    const auto count = [&](const IslandResult& result)
     {
-        const std::size_t particles = partition_.islands[k].particles.size();
-        if (particles == 0) continue;          // merged into another
-        const IslandResult& result = results_[k];
-        report.freeParticles -= particles;
-        lasting.insert(lasting.end(), result.contacts.begin(), result.contacts.end());
         ++report.islands;
         report.impacts += result.impacts;
         report.impactSeconds += result.impactSeconds;
         report.softSeconds += result.softSeconds;
         report.largestOverlap = std::max(report.largestOverlap, result.largestOverlap);
-        if (!result.soft()) continue;
+        if (!result.soft()) return;
         ++report.softIslands;
-        report.softParticles += particles;
+        report.softParticles += result.end.size();
         report.subSteps += result.subSteps;
         report.step = report.step > 0 ? std::min(report.step, result.shortestStep)
                                       : result.shortestStep;
+    };
+    for (std::size_t k = 0; k < results_.size(); ++k)
+    {
+        const std::size_t particles = partition_.islands[k].particles.size();
+        if (particles == 0) continue;          // merged into another
+        report.freeParticles -= particles;
+        lasting.insert(lasting.end(), results_[k].contacts.begin(), results_[k].contacts.end());
+        if (shared_.nameOf(k) == SharedIslands::none) count(results_[k]);
     }
+    shared_.forEachResult(false, count);
+    report.sharedIslands += shared_.steppedHere();
     report.touching = report.wallTouching = 0;
     for (const ContactRecord& record : lasting)
         ++(record.wall ? report.wallTouching : report.touching);

@@ -3,11 +3,15 @@
 #include "core/StepReport.hpp"
 #include "islands/BoundPairs.hpp"
 #include "islands/CandidateSearch.hpp"
+#include "islands/Census.hpp"
 #include "islands/FreeFlight.hpp"
+#include "islands/Ghosts.hpp"
 #include "islands/IslandPartition.hpp"
 #include "islands/IslandStepper.hpp"
+#include "islands/OverlapSeparation.hpp"
 #include "islands/ParticleStates.hpp"
 #include "islands/PathCheck.hpp"
+#include "islands/SharedIslands.hpp"
 #include "islands/SortedContacts.hpp"
 
 #include <vector>
@@ -32,56 +36,80 @@ namespace elutria::dem
 /// touch, halving no longer helps, or the step is but a few sub-steps long, all take the soft law,
 /// until few touch. So do they for the rest of a step that has taken several times the work of that:
 /// no input makes a step endless. What would take too much even so is refused (TooMuchWork).
+///
+/// Where particles are distributed over ranks, each rank does this for its own, and islands that reach
+/// over several ranks are shared (Ghosts, SharedIslands); all decisions are made alike, from what all
+/// have. An island's outcome depends on its members, their history and the seed alone, so that the
+/// result is to the bit that of one rank. Steps of the soft law for all are taken by the first rank.
 class AdaptiveIntegrator
 {
 public:
     /// `soft` is the engine's own soft integrator; all references must outlive this object.
     AdaptiveIntegrator(const Settings& settings, const ContactMaterials& materials,
                        const LawTables& laws, const Walls& walls, SoftIntegrator& soft,
-                       IslandStepper::StepLimit stepLimit);
+                       IslandStepper::StepLimit stepLimit, Exchange& exchange);
     AdaptiveIntegrator(const AdaptiveIntegrator&) = delete;
 
+    /// `report` is of this rank's part; the first rank's has the soft steps for all.
     void advance(Particles& particles, double duration, StepReport& report);
 
+    /// History that this rank holds: contacts of which the first particle was its own when they were
+    /// seen last. What is imported is handed to the rank whose particle it is with the next step.
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
-    /// Hands the contact history to the soft integrator, for a caller that asks it for forces.
+    /// Hands the contact history to the soft integrator (of the first rank), for a caller that asks it
+    /// for forces.
     void useSoft();
 
 private:
     enum class Outcome { done, tooLong, contactsRule };
 
-    void runSoft(Particles& particles, double duration, StepReport& report);
-    double workOf(const std::vector<std::uint32_t>& islands) const;
+    void runSoft(Particles& particles, double duration, bool continued, StepReport& report);
+    void runSoftHere(Particles& particles, double duration, bool continued, StepReport& report);
+    void load(const Particles& particles, bool weighted);
     Outcome advancePiece(double duration, std::uint64_t seed, bool mayCut, StepReport& report);
     bool findCandidates(const Piece& piece, StepReport& report);
+    bool flyFreely(const Piece& piece);
+    void findAmongRanks(const Piece& piece, StepReport& report);
+    void separateOverlaps();
+    std::size_t formIslands();
+    Outcome stepIslands(const Piece& piece, bool mayCut);
+    double workOfRound() const;
     bool crowds() const;
     bool mergeWhatMeets(const Piece& piece, StepReport& report);
+    void dropShared();
+    bool mergeWhatMeetsAmongRanks(const Piece& piece, StepReport& report);
     void finishPiece(const Piece& piece, StepReport& report);
 
     const Settings& settings_;
     const Walls& walls_;
     SoftIntegrator& soft_;
     IslandStepper::StepLimit stepLimit_;
+    Exchange& exchange_;
     ImpactLaws impacts_;
 
     ParticleStates states_;
     SortedContacts contacts_;
     double workLeft_ = 0;                      // of the step, sub-steps or impacts times particles
     bool softRules_ = false;                   // the soft integrator steps and holds the history
-    std::size_t contactEnds_ = 0;              // sides in contact: two per pair, one per wall
+    std::size_t contactEnds_ = 0;              // of this rank's records; two per pair, one per wall
+    Census all_;                               // of the step
 
     BoundPairs boundPairs_;
     CandidateSearch search_;
     IslandSteppers steppers_;
     PathCheck pathCheck_;
+    Ghosts ghosts_;
+    SharedIslands shared_;
 
     FreeFlights flights_;
     Candidates candidates_;
     IslandPartition partition_;
     std::vector<IslandResult> results_;        // of each island
-    std::vector<std::uint32_t> toStep_;        // islands of this round
+    std::vector<std::uint32_t> toStep_;        // own islands of this round
+    OverlapsOfAll overlaps_;                   // where there are several ranks
+    std::vector<IdPair> acrossRanks_;          // candidates of an own particle and a ghost
 };
 
 } // namespace elutria::dem

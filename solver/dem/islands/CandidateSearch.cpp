@@ -31,10 +31,12 @@ void CandidateSearch::find(const Piece& piece, const FreeFlights& flights, Candi
     boundPairs_.find(flights.bounds);
     boundPairs_.forEach([&](std::uint32_t i, std::uint32_t j)
     {
-        checkPair(piece, flights, i, j, found);
+        if (i >= piece.own()) return;          // two ghosts: their own ranks look at them
+        if (piece.start[i].id < piece.start[j].id) checkPair(piece, flights, i, j, found);
+        else checkPair(piece, flights, j, i, found);
     });
     if (walls_.empty()) return;
-    wallLooks_.resize(piece.start.size());
+    wallLooks_.resize(piece.own());
     forElements(settings_.threads, wallLooks_.size(),
                 [&](std::size_t i) { wallLooks_[i] = lookForWalls(piece, flights, i); });
     for (std::uint32_t i = 0; i < wallLooks_.size(); ++i)
@@ -63,7 +65,7 @@ void CandidateSearch::checkPair(const Piece& piece, const FreeFlights& flights, 
         return;
     }
     const Vector3 centres = flights.bounds[i].centre - flights.bounds[j].centre;
-    const Vector3 offset = centres - settings_.box.shortest(centres);
+    const Vector3 offset = settings_.box.image(centres);
     const Vector3 apart = a.position - b.position - offset;
     const Vector3 moved = (endA - a.position) - (endB - b.position);
     const double sum = first.radius + second.radius;

@@ -2,6 +2,7 @@
 
 #include "core/PeriodicBox.hpp"
 #include "islands/CandidateSearch.hpp"
+#include "parallel/Exchange.hpp"
 #include "walls/Walls.hpp"
 
 #include <vector>
@@ -15,5 +16,16 @@ namespace elutria::dem
 /// some overlap.
 void separate(std::vector<ParticleState>& particles, const std::vector<Overlap>& overlaps,
               const Walls& walls, const PeriodicBox& box);
+
+/// The overlaps of all ranks, in the order in which one rank would find them.
+struct OverlapsOfAll
+{
+    std::vector<ParticleState> particles;    // that overlap, by ascending id
+    std::vector<Overlap> overlaps;           // places in `particles`
+};
+
+/// `states`: own ones by ascending id, ghosts behind; `overlaps`: places in it.
+OverlapsOfAll overlapsOfAll(Exchange& exchange, const std::vector<ParticleState>& states,
+                            std::size_t own, const std::vector<Overlap>& overlaps);
 
 } // namespace elutria::dem

@@ -11,7 +11,7 @@
 namespace elutria::dem
 {
 
-void ParticleStates::load(const Particles& p)
+void ParticleStates::load(const Particles& p, bool weighted)
 {
     const std::size_t n = p.size();
     order_.resize(n);
@@ -38,8 +38,8 @@ void ParticleStates::load(const Particles& p)
         if (all_[i - 1].id == all_[i].id)
             throw std::invalid_argument("particle id " + std::to_string(all_[i].id)
                                         + " is given twice; allowed: once");
-    weighted_ = std::any_of(all_.begin(), all_.end(),
-                            [](const ParticleState& s) { return s.weight != 1; });
+    weighted_ = weighted || std::any_of(all_.begin(), all_.end(),
+                                        [](const ParticleState& s) { return s.weight != 1; });
     if (weighted_) prepareStochasticCollisions(p);
 }
 

@@ -16,8 +16,9 @@ class ParticleStates
 public:
     explicit ParticleStates(const Settings& settings) : settings_(settings) {}
 
+    /// `weighted`: any particle of other ranks has a statistical weight other than one.
     /// Throws std::invalid_argument for an id that is given twice.
-    void load(const Particles& particles);
+    void load(const Particles& particles, bool weighted = false);
     /// Gives positions (inside the box), velocities, spins and dragImpulse back.
     void store(Particles& particles) const;
 
@@ -25,7 +26,7 @@ public:
     std::vector<ParticleState>& all() { return all_; }
     const std::vector<ParticleState>& all() const { return all_; }
 
-    /// True if any has a statistical weight other than one.
+    /// True if any, of any rank, has a statistical weight other than one.
     bool weighted() const { return weighted_; }
 
 private:

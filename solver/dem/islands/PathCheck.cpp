@@ -26,6 +26,12 @@ bool onFreeFlight(const ParticleState& start, const PathSegment& segment)
            && v.z == free.z;
 }
 
+bool touch(const Bound& a, const Bound& b, const PeriodicBox& box)
+{
+    const double reach = a.reach + b.reach;
+    return squaredNorm(box.shortest(a.centre - b.centre)) < reach*reach;
+}
+
 bool flightsMeet(const Flight& a, const Flight& b, double distance, const PeriodicBox& box,
                  double duration)
 {
@@ -93,6 +99,15 @@ Bound boundOf(const Path& path, double radius, double duration, const Vector3& f
 }
 
 
+const Path& pathOf(std::uint32_t i, const Piece& piece, const IslandPartition& partition,
+                   const std::vector<IslandResult>& results, Path& free)
+{
+    if (!partition.isFree(i)) return results[partition.islandOf[i]].paths[partition.placeIn[i]];
+    free.assign(1, {0, piece.start[i].flight, 0});
+    return free;
+}
+
+
 /// Calls check(i, j) for the changed paths and all others with an overlapping bound.
 template<class Check>
 void PathCheck::checkFew(const std::vector<std::uint32_t>& changed,
@@ -102,9 +117,7 @@ void PathCheck::checkFew(const std::vector<std::uint32_t>& changed,
         for (std::uint32_t j = 0; j < bounds.size(); ++j)
         {
             if (j == i || (isChanged_[j] && j < i)) continue;
-            const double reach = bounds[i].reach + bounds[j].reach;
-            const Vector3 d = settings_.box.shortest(bounds[i].centre - bounds[j].centre);
-            if (squaredNorm(d) < reach*reach) check(i, j);
+            if (touch(bounds[i], bounds[j], settings_.box)) check(i, j);
         }
 }
 
@@ -114,7 +127,8 @@ std::vector<Pair> PathCheck::find(const Piece& piece, const IslandPartition& par
                                   const std::vector<std::uint32_t>& stepped, const Vector3& frame,
                                   std::vector<Bound>& bounds)
 {
-    std::vector<std::uint32_t> changed;
+    std::vector<std::uint32_t>& changed = changed_;
+    changed.clear();
     for (const std::uint32_t k : stepped)
     {
         const Island& island = partition.islands[k];
@@ -131,18 +145,13 @@ std::vector<Pair> PathCheck::find(const Piece& piece, const IslandPartition& par
     isChanged_.assign(piece.start.size(), false);
     for (const std::uint32_t i : changed) isChanged_[i] = true;
 
-    const auto pathOf = [&](std::uint32_t i, Path& free) -> const Path&
-    {
-        if (!partition.isFree(i)) return results[partition.islandOf[i]].paths[partition.placeIn[i]];
-        free.assign(1, {0, piece.start[i].flight, 0});
-        return free;
-    };
     Path freeA, freeB;
     const auto check = [&](std::uint32_t i, std::uint32_t j)
     {
         if (partition.share(i, j)) return;
-        if (pathsMeet(piece.start[i], pathOf(i, freeA), piece.start[j], pathOf(j, freeB),
-                      piece.seed, settings_.box, piece.duration))
+        if (pathsMeet(piece.start[i], pathOf(i, piece, partition, results, freeA), piece.start[j],
+                      pathOf(j, piece, partition, results, freeB), piece.seed, settings_.box,
+                      piece.duration))
             hits.push_back({i, j});
     };
     if (changed.size() < fewChanged)
@@ -154,6 +163,44 @@ std::vector<Pair> PathCheck::find(const Piece& piece, const IslandPartition& par
     boundPairs_.forEach([&](std::uint32_t i, std::uint32_t j)
     {
         if (isChanged_[i] || isChanged_[j]) check(i, j);
+    });
+    return hits;
+}
+
+
+std::vector<IdPair> PathCheck::meetGhosts(const Piece& piece, const IslandPartition& partition,
+                                          const std::vector<IslandResult>& results,
+                                          const SharedIslands& shared,
+                                          const std::vector<GhostPath>& ghosts,
+                                          const Vector3& frame, const std::vector<Bound>& bounds)
+{
+    std::vector<IdPair> hits;
+    Path free;
+    const auto check = [&](std::uint32_t i, const GhostPath& ghost)
+    {
+        if (!partition.isFree(i) && ghost.island != SharedIslands::none
+            && shared.nameOf(partition.islandOf[i]) == ghost.island) return;
+        const ParticleState& own = piece.start[i];
+        const Path& path = pathOf(i, piece, partition, results, free);
+        const bool meet = own.id < ghost.start.id
+            ? pathsMeet(own, path, ghost.start, ghost.path, piece.seed, settings_.box, piece.duration)
+            : pathsMeet(ghost.start, ghost.path, own, path, piece.seed, settings_.box, piece.duration);
+        if (meet) hits.push_back({own.id, ghost.start.id});
+    };
+    std::vector<Bound> all = bounds;
+    for (const GhostPath& ghost : ghosts)
+        all.push_back(boundOf(ghost.path, ghost.start.reach, piece.duration, frame));
+    if (ghosts.size() < fewChanged)
+    {
+        for (std::size_t g = 0; g < ghosts.size(); ++g)
+            for (std::uint32_t i = 0; i < bounds.size(); ++i)
+                if (touch(all[i], all[bounds.size() + g], settings_.box)) check(i, ghosts[g]);
+        return hits;
+    }
+    boundPairs_.find(all);
+    boundPairs_.forEach([&](std::uint32_t i, std::uint32_t j)
+    {
+        if (i < bounds.size() && j >= bounds.size()) check(i, ghosts[j - bounds.size()]);
     });
     return hits;
 }

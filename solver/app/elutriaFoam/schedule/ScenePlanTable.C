@@ -374,6 +374,20 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
             "of the particle steps took contact steps"
         );
     }
+    const List<ElutriaCloud::RankWork> ranks(cloud.workOfRanks());
+    for (label r = 0; cloud.contacts() && ranks.size() > 1 && r < ranks.size(); ++r)
+    {
+        const ElutriaCloud::RankWork& rank = ranks[r];
+        table.row
+        (
+            "rank " + std::to_string(r),
+            threeDigits(rank.particleSteps) + " steps",
+            threeDigits(rank.ghostSteps) + " of ghosts, "
+          + threeDigits(rank.sharedIslands) + " shared islands, "
+          + threeDigits(rank.seconds) + " s in exchange, "
+          + threeDigits(rank.bytes/1e6) + " MB sent"
+        );
+    }
     for (label p = 0; p < nParts; ++p)
     {
         table.row

@@ -59,7 +59,7 @@ def solve(
     if processors > 1:
         run_program(["decomposePar", "-force"], case)
         # decomposePar turns positions into coordinates and forgets to say so
-        for file in case.glob("processor*/0/uniform/lagrangian/*/cloudProperties"):
+        for file in case.glob("processor*/*/uniform/lagrangian/*/cloudProperties"):
             change(file.parent, {f"{file.name}:geometry": "coordinates"})
         command = ["mpirun", "-np", str(processors), solver, "-parallel"]
     with started_in(case, [*command, *options]) as placed:
