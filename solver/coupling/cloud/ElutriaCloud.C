@@ -7,6 +7,7 @@
 
 #include "cloud/ElutriaCloud.H"
 #include "cloud/contactLimits.H"
+#include "cloud/exactPlaces.H"
 #include "cloud/stockRecords.H"
 #include "contacts/ContactHistory.H"
 #include "foam/foamVersion.H"
@@ -142,6 +143,7 @@ ElutriaCloud::ElutriaCloud
     ),
     retakes_(0)
 {
+    exactPlaces::read(*this, parcels_);
     if (contacts_)
     {
         contactHistory::read(*this, contacts_->engine());
@@ -262,6 +264,10 @@ void ElutriaCloud::writeState()
         contactHistory::write(*this, contacts_->engine());
     }
     sampling_.writeState();
+    if (!stockMotion_)
+    {
+        exactPlaces::write(*this, parcels_);
+    }
 }
 
 
