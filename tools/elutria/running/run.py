@@ -366,6 +366,8 @@ def solve(
         command = ["mpirun", "-np", str(np), SOLVER, "-parallel"]
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         os.environ.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        # a rank that waits leaves its core to one that works
+        os.environ.setdefault("OMPI_MCA_mpi_yield_when_idle", "1")
     if frames:
         command.append("-frames")
     ahead = Ahead(folder / PLAN)
