@@ -12,7 +12,7 @@ from elutria.running.ahead import Ahead
 from elutria.running.solver import Step
 
 
-def plan(tmp_path: Path, feed_end: float, run_end: float) -> Path:
+def plan(tmp_path: Path, feed_end: float | None, run_end: float | None) -> Path:
     file = tmp_path / "plan.json"
     file.write_text(json.dumps({"feed": {"end_s": feed_end, "run_ends_s": run_end}}))
     return file
@@ -42,6 +42,18 @@ def test_one_that_hovers_is_waited_for_until_the_run_ends(tmp_path: Path) -> Non
         clock[0] = 0.2 * number
         left = ahead.left_s(Step(0.1 * number, 100, {"fines": 97}, 3, 0))
     assert left == pytest.approx(2 * (7 - 5.9), rel=0.05)
+
+
+@pytest.mark.parametrize("feed_end", [1.0, None])
+def test_a_feed_that_does_not_say_when_the_run_ends(tmp_path: Path, feed_end: float | None) -> None:
+    """Such as one without drainTime: the run goes on, and what is left is a number or not known."""
+    clock = [0.0]
+    ahead = Ahead(plan(tmp_path, feed_end, None), lambda: clock[0])
+    for number in range(1, 30):
+        clock[0] = 0.2 * number
+        left = ahead.left_s(Step(0.1 * number, 100, {"fines": 97}, 3, 0))
+        assert isnan(left) or left > 0
+    assert 0 <= ahead.share(left) <= 1
 
 
 def test_without_a_plan_nothing_is_known(tmp_path: Path) -> None:

@@ -68,8 +68,13 @@ class Ahead:
         return min(latest, halving * log(step.inside + 1) / log(2))
 
     def _feed_and_run_end(self) -> tuple[float, float] | None:
+        """s; infinite where no entry says when: the run then ends at endTime."""
         if self._ends is None and self._plan.is_file():
             feed = read_json(self._plan).get("feed") or {}
             if {"end_s", "run_ends_s"} <= feed.keys():
-                self._ends = feed["end_s"], feed["run_ends_s"]
+                feed_end, run_end = feed["end_s"], feed["run_ends_s"]
+                self._ends = (
+                    inf if feed_end is None else feed_end,
+                    inf if run_end is None else run_end,
+                )
         return self._ends
