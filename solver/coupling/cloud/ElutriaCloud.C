@@ -14,7 +14,6 @@
 #include "foam/Warnings.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
-#include "OStringStream.H"
 #include "profiling.H"
 #include "sigFpe.H"
 
@@ -282,8 +281,7 @@ void ElutriaCloud::info()
         patchInteraction().coeffDict().getOrDefault<Switch>("writeToFile", false)
     )
     {
-        OStringStream unread;
-        patchInteraction().info(unread);
+        countTotals(patchInteraction());
     }
 }
 

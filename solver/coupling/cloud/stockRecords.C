@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/stockRecords.H"
-#include "CompactIOField.H"
+#include "foam/foamVersion.H"
 #include "IOField.H"
 #include "OSspecific.H"
 #include "Time.H"
@@ -46,7 +46,7 @@ void writeEmpty(const IOobject& io, const label parcels)
 {
     if (!isFile(io.objectPath()))
     {
-        CompactIOField<Field<Type>, Type>(io, parcels).write();
+        listsInFile<Type>(io, parcels).write();
     }
 }
 

@@ -2,8 +2,8 @@
 
 Each scene is run twice. The first time nothing is known but the rates of `elutria.estimates.price`
 and the speed of this machine; the second time, with twice the parcels, the first run is known. What
-the first runs came to is written as `delivered.json`, which `tools/elutria/estimates` has from the
-reference machine.
+the first runs came to is written as `delivered.json`, to take the place of the one in
+`tools/elutria/estimates`.
 """
 
 from __future__ import annotations
