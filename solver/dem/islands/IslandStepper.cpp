@@ -115,7 +115,7 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
 /// wall that is not flat there. Along a flat wall friction alone acts, which no speed stiffens.
 double IslandStepper::wallSpeed(double time)
 {
-    constexpr double infinite = 1e300;
+    constexpr double infinite = 1e100;         // its square is a number: laws take it
     double fastest = 0;
     for (std::size_t i = 0; i < gathered_.size(); ++i)
     {
