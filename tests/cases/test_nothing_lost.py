@@ -119,6 +119,7 @@ def test_a_million_through_the_default_column(
         {
             "system/simulationParameters:particles": 1_000_000,
             "system/simulationParameters:gasVelocity": 14,  # nearly all are fines: soon gone
+            "system/simulationParameters:feedTime": 4,  # within 1 s they are too dense to fly
             "system/simulationParameters:drainTime": 1,
             f"{MODELS}/collisionModel": contacts,
             f"{CONTROL}:deltaT": 2e-3,

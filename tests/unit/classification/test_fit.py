@@ -115,7 +115,7 @@ def coverage(model: Model, log_shape: float, bypass: float, number: int, sets: i
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
-    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 120) - 0.95) < 0.05)
+    assert np.all(np.abs(coverage(MODELS[0], 2.0, 0.0, 300, 300) - 0.95) < 0.05)
 
 
 @pytest.mark.slow
