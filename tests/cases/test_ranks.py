@@ -9,8 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from elutria_validation.harness.box import BoxCase, Contacts, Pair, Treatment
-from elutria_validation.harness.cases import CONTROL, add_feed, change, material, solve
+from elutria_validation.harness.box import CLOSED, PERIODIC, BoxCase, Contacts, Pair, Treatment
+from elutria_validation.harness.cases import (
+    CONTROL,
+    add_feed,
+    change,
+    material,
+    read_gas,
+    solve,
+)
 from elutria_validation.harness.particles import Particles, read_particles
 from elutria_validation.harness.programs import run_program
 
@@ -104,3 +111,54 @@ def test_contacts_go_on_with_another_number_of_ranks(tmp_path: Path, measured) -
     one, three, forgetful = (read_particles(copy, "0.12").position for copy in copies.values())
     measured("places on 3 ranks and on 1, in diameters", np.abs(three - one).max() / 2e-3, 1e-9)
     assert np.abs(forgetful - one).max() / 2e-3 > 1e-6, "the history made no difference"
+
+
+CELL = 5e-3
+"""m, side of the cells in which solids are spread."""
+
+
+def shares_of_axis(place: np.ndarray, half: float, cells: int, periodic: bool) -> np.ndarray:
+    """Part of [place - half, place + half] (m) in each cell along an axis, shape (n, cells). What
+    lies beyond a wall stays inside."""
+    low = CELL * np.arange(cells)
+    parts = np.zeros((len(place), cells))
+    for shift in (-CELL * cells, 0, CELL * cells) if periodic else (0,):
+        at = place[:, None] + shift
+        common = np.minimum(at + half, low + CELL) - np.maximum(at - half, low)
+        parts += np.maximum(common, 0)
+    return np.asarray(parts / parts.sum(axis=1, keepdims=True))
+
+
+@pytest.mark.parametrize("ranks", [1, 4, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 8))])
+@pytest.mark.parametrize("periodic", [False, True], ids=["walls", "periodic"])
+def test_solids_are_spread_over_cells_of_all_ranks(
+    tmp_path: Path, periodic: bool, ranks: int, measured
+) -> None:
+    cells, diameter = (4, 4, 12), 4e-3
+    place = np.random.default_rng(1).random((60, 3)) * CELL * np.array(cells)
+    resting = {
+        "width": 0.02, "depth": 0.02, "height": 0.06, "cells": cells, "gravity": 0,
+        "forces": {}, "step": 1e-3, "end": 1e-3, "most_solids": 0.99,
+        "more": {f"{CONTROL}:writePrecision": 15}, **(PERIODIC if periodic else CLOSED),
+    }  # fmt: skip
+
+    def solids(name: str, kernel: float, ranks: int) -> np.ndarray:
+        box = BoxCase(**resting, kernel=kernel)
+        case = box.make(tmp_path / name, Particles.of(place, 0, diameter=diameter))
+        solve(decomposed(case, ranks), ranks)
+        if ranks > 1:
+            run_program(["reconstructPar", "-latestTime"], case)
+        return read_gas(case, "0.001", "alpha.particles").ravel()
+
+    # each a cube of its volume: its part in a cell is a product over the axes
+    volume = np.pi / 6 * diameter**3
+    x, y, z = (
+        shares_of_axis(place[:, axis], volume ** (1 / 3) / 2, cells[axis], periodic)
+        for axis in range(3)
+    )
+    exact = np.einsum("pi,pj,pk->kji", x, y, z).ravel() * volume / CELL**3
+    measured("solids by overlap", np.abs(solids("overlap", 0, ranks) - exact).max(), 1e-12)
+    if ranks > 1:
+        smooth, serial = (solids(f"smooth{n}", CELL, n) for n in (ranks, 1))
+        assert np.abs(serial - exact).max() > 0.01
+        measured("solids smoothed, and serial", np.abs(smooth - serial).max(), 1e-12)
