@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -60,8 +61,8 @@ def decomposed(case: Path, ranks: int) -> Path:
     return case
 
 
-def recorded(case: Path) -> bytes:
-    return (case / "postProcessing/outlets/0/particles.csv").read_bytes()
+def recorded(case: Path, start: str = "0") -> bytes:
+    return (case / "postProcessing/outlets" / start / "particles.csv").read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -82,6 +83,34 @@ def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     assert len(shared) == ranks
     assert sum(shared) > 0, "no island reached over processors"
     assert recorded(parallel) == recorded(serial)
+
+
+@pytest.mark.parametrize(
+    "ranks", [(2, 1), (1, 2), pytest.param((2, 3), marks=pytest.mark.slow)], ids=str
+)
+@pytest.mark.parametrize("feed", [FEED, PARCELS], ids=["particles", "parcels"])
+def test_a_run_goes_on_with_another_number_of_ranks_as_if_uninterrupted(
+    tmp_path: Path, feed: dict[str, object], ranks: tuple[int, int]
+) -> None:
+    whole = column(tmp_path / "whole", feed, "impact")
+    solve(whole)
+    parts = column(tmp_path / "parts", feed, "impact")
+    change(parts, {f"{CONTROL}:writeFormat": "binary"})
+    for number, end in zip(ranks, (0.1, 0.3), strict=True):
+        change(parts, {f"{CONTROL}:endTime": end})
+        solve(decomposed(parts, number), number)
+        if number > 1:
+            run_program(["reconstructPar", "-latestTime"], parts)
+
+    pieces = [recorded(parts, start).splitlines() for start in ("0", "0.1")]
+    assert min(len(piece) for piece in pieces) > 20
+    assert pieces[0] + pieces[1][1:] == recorded(whole).splitlines()
+    ledgers = [
+        json.loads((case / "postProcessing/ledger.json").read_text())["total"]
+        for case in (whole, parts)
+    ]
+    assert ledgers[0]["lost"]["parcels"] == 0
+    assert ledgers[0] == ledgers[1]
 
 
 def test_contacts_go_on_with_another_number_of_ranks(tmp_path: Path, measured) -> None:
