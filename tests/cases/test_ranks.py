@@ -8,8 +8,10 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from elutria import tables
 from elutria_validation.harness.box import CLOSED, PERIODIC, BoxCase, Contacts, Pair, Treatment
 from elutria_validation.harness.cases import (
     CONTROL,
@@ -82,6 +84,13 @@ def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     shared = [float(n) for n in re.findall(r"(\S+) shared islands", log)]
     assert len(shared) == ranks
     assert sum(shared) > 0, "no island reached over processors"
+    work = pd.read_csv(parallel / "postProcessing/ranks.csv")
+    assert tuple(work.columns) == tables.RANKS
+    assert list(work["rank"]) == list(range(ranks))
+    assert work["cells"].sum() == 4 * 4 * 12
+    assert work["shared_islands"].sum() == pytest.approx(sum(shared), rel=1e-2)
+    assert len(set(work["exchanges"])) == 1
+    assert (work["sent_bytes"] > 0).all()
     assert recorded(parallel) == recorded(serial)
 
 
@@ -142,6 +151,38 @@ def test_contacts_go_on_with_another_number_of_ranks(tmp_path: Path, measured) -
     assert np.abs(forgetful - one).max() / 2e-3 > 1e-6, "the history made no difference"
 
 
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_gas_and_parcels_move_each_other_alike(tmp_path: Path, ranks: int, measured) -> None:
+    # of all sizes, through each other and to other ranks; nothing is chaotic for so short a time
+    random = np.random.default_rng(2)
+    extent, number = np.array([0.02, 0.02, 0.06]), 300
+    grains = Particles.of(
+        extent * (0.1 + 0.8 * random.random((number, 3))),
+        random.uniform(-1, 1, (number, 3)),
+        diameter=np.geomspace(3e-5, 6e-4, number)[random.permutation(number)],
+    )
+    box = BoxCase(
+        width=extent[0], depth=extent[1], height=extent[2], cells=(4, 4, 12), gas_velocity=1,
+        coupled=True, solve_gas=True, end=0.005, more={f"{CONTROL}:writePrecision": 17},
+    )  # fmt: skip
+
+    def ends(name: str, ranks: int) -> tuple[np.ndarray, np.ndarray]:
+        case = decomposed(box.make(tmp_path / name, grains), ranks)
+        solve(case, ranks)
+        if ranks > 1:
+            run_program(["reconstructPar", "-latestTime"], case)
+        found = read_particles(case, "0.005")
+        order = np.argsort(found.diameter)
+        return found.position[order], found.velocity[order]
+
+    serial, parallel = ends("serial", 1), ends("parallel", ranks)
+    middle = extent[2] / 2
+    before = grains.position[np.argsort(grains.diameter)]
+    assert np.count_nonzero((before[:, 2] < middle) != (serial[0][:, 2] < middle)) > 10
+    for what, one, several in zip(("places, m", "speeds, m/s"), serial, parallel, strict=True):
+        measured(f"{what} of two-way coupled parcels", np.abs(one - several).max(), 1e-9)
+
+
 CELL = 5e-3
 """m, side of the cells in which solids are spread."""
 
@@ -158,7 +199,9 @@ def shares_of_axis(place: np.ndarray, half: float, cells: int, periodic: bool) -
     return np.asarray(parts / parts.sum(axis=1, keepdims=True))
 
 
-@pytest.mark.parametrize("ranks", [1, 4, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 8))])
+@pytest.mark.parametrize(
+    "ranks", [1, 4, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 8))]
+)
 @pytest.mark.parametrize("periodic", [False, True], ids=["walls", "periodic"])
 def test_solids_are_spread_over_cells_of_all_ranks(
     tmp_path: Path, periodic: bool, ranks: int, measured
