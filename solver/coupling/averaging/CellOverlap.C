@@ -54,18 +54,18 @@ scalar CellOverlap::partBeyond
 void CellOverlap::findAround(const label celli)
 {
     cells_.clear();
-    const auto add = [&](const label cell)
+    const auto add = [&](const label other)
     {
-        if (!cells_.found(cell))
+        if (!cells_.found(other))
         {
-            cells_.append(cell);
+            cells_.append(other);
         }
     };
     for (const label pointi : mesh_.cellPoints()[celli])
     {
-        for (const label other : mesh_.pointCells()[pointi])
+        for (const label around : mesh_.pointCells()[pointi])
         {
-            add(other);
+            add(around);
         }
         for (const label i : beyond_.at(pointi))
         {

@@ -33,11 +33,11 @@ struct Unite
         const List<CellsBeyond::Cell>& more
     ) const
     {
-        for (const CellsBeyond::Cell& cell : more)
+        for (const CellsBeyond::Cell& other : more)
         {
-            if (!all.found(cell))
+            if (!all.found(other))
             {
-                all.append(cell);
+                all.append(other);
             }
         }
     }
@@ -238,11 +238,11 @@ CellsBeyond::CellsBeyond(const fvMesh& mesh)
     for (const label pointi : coupled.meshPoints())
     {
         DynamicList<label> beyond;
-        for (const Cell& cell : around[pointi])
+        for (const Cell& other : around[pointi])
         {
-            if (!here[pointi].found(cell))
+            if (!here[pointi].found(other))
             {
-                beyond.append(found.index(cell));
+                beyond.append(found.index(other));
             }
         }
         atPoint_.insert(pointi, beyond);
