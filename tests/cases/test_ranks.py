@@ -183,6 +183,30 @@ def test_gas_and_parcels_move_each_other_alike(tmp_path: Path, ranks: int, measu
         measured(f"{what} of two-way coupled parcels", np.abs(one - several).max(), 1e-9)
 
 
+@pytest.mark.slow
+def test_two_way_coupled_rows_are_alike_but_for_what_contacts_make_of_rounding(
+    tmp_path: Path, measured
+) -> None:
+    box = BoxCase(
+        width=0.02, depth=0.02, height=0.06, cells=(4, 4, 12), gas_velocity=2, end=0.3,
+        contacts=Contacts(), coupled=True, solve_gas=True, tolerance=(1e-7, 1e-3),
+    )  # fmt: skip
+    rows = {}
+    for ranks in (1, 2):
+        case = decomposed(box.make(tmp_path / str(ranks)), ranks)
+        add_feed(case, {**FEED, "massFlowRate": 2e-4})
+        solve(case, ranks)
+        rows[ranks] = pd.read_csv(case / "postProcessing/outlets/0/particles.csv", index_col="id")
+        total = json.loads((case / "postProcessing/ledger.json").read_text())["total"]
+        assert total["lost"]["parcels"] == 0
+        measured(f"mass that is nowhere, {ranks} ranks", total["mass_closure_error"], 1e-12)
+    assert rows[1]["outlet"].value_counts().min() > 100
+    one, two = (rows[ranks]["outlet"].rename(str(ranks)) for ranks in (1, 2))
+    both = pd.concat([one, two], axis=1)
+    elsewhere = float((both["1"] != both["2"]).mean())
+    measured("share of parcels that leave elsewhere", elsewhere, 0.01)
+
+
 CELL = 5e-3
 """m, side of the cells in which solids are spread."""
 
