@@ -22,6 +22,12 @@ CROSSINGS = (
 )  # fmt: skip
 """crossings.csv of a run, which the solver writes: a row per crossing of a plane."""
 
+RANKS = (
+    "rank", "cells", "particles", "particle_steps", "ghost_steps", "shared_islands", "exchanges",
+    "exchange_s", "sent_bytes",
+)  # fmt: skip
+"""ranks.csv of a run, which the solver writes: a row per processor."""
+
 _CLASS = ("material", "diameter_low_m", "diameter_high_m")
 PLANES = ("plane", "height_m", *_CLASS, "up_number", "up_kg", "down_number", "down_kg")
 ZONES = ("zone", "low_m", "high_m", *_CLASS, "residence_time_s", "holdup_kg_s")

@@ -20,36 +20,56 @@ scalar CellOverlap::part
     const scalar b
 ) const
 {
-    const scalar perHalfSide = 0.5/b;
-    scalar inside = 1;
+    scalar part = 1;
     for (const label facei : mesh_.cells()[celli])
     {
-        const Face& face = faces_[facei];
+        const FacePlane& plane = planes_[facei];
         const scalar outwards = mesh_.faceOwner()[facei] == celli ? 1 : -1;
-        const scalar distance = outwards*(face.offset - (centre & face.normal));
-
-        inside *=
-            min(max(0.5 + perHalfSide*distance, scalar(0)), scalar(1));
-        if (inside <= 0)
+        part *= inside(outwards*(plane.offset - (centre & plane.normal)), b);
+        if (part <= 0)
         {
             break;
         }
     }
-    return inside;
+    return part;
+}
+
+
+scalar CellOverlap::partBeyond
+(
+    const label i,
+    const point& centre,
+    const scalar b
+) const
+{
+    scalar part = 1;
+    for (const FacePlane& plane : beyond_.planes(i))
+    {
+        part *= inside(plane.offset - (centre & plane.normal), b);
+    }
+    return part;
 }
 
 
 void CellOverlap::findAround(const label celli)
 {
     cells_.clear();
+    const auto add = [&](const label other)
+    {
+        if (!cells_.found(other))
+        {
+            cells_.append(other);
+        }
+    };
     for (const label pointi : mesh_.cellPoints()[celli])
     {
-        for (const label other : mesh_.pointCells()[pointi])
+        for (const label around : mesh_.pointCells()[pointi])
         {
-            if (!cells_.found(other))
-            {
-                cells_.append(other);
-            }
+            add(around);
+        }
+        for (const label i : beyond_.at(pointi))
+        {
+            add(mesh_.nCells() + i);
         }
     }
 }
@@ -60,14 +80,15 @@ void CellOverlap::findAround(const label celli)
 CellOverlap::CellOverlap(const fvMesh& mesh)
 :
     mesh_(mesh),
-    faces_(mesh.nFaces()),
+    planes_(mesh.nFaces()),
+    beyond_(mesh),
     reach_(mesh.nCells(), GREAT)
 {
-    forAll(faces_, facei)
+    forAll(planes_, facei)
     {
         const vector& area = mesh.faceAreas()[facei];
         const vector normal(area/mag(area));
-        faces_[facei] = {normal, normal & mesh.faceCentres()[facei]};
+        planes_[facei] = {normal, normal & mesh.faceCentres()[facei]};
     }
     forAll(mesh.cells(), celli)
     {
@@ -103,7 +124,11 @@ void CellOverlap::add
     scalar all = 0;
     for (const label other : cells_)
     {
-        parts_.append(part(other, centre, b));
+        const label beyond = other - mesh_.nCells();
+        parts_.append
+        (
+            beyond < 0 ? part(other, centre, b) : partBeyond(beyond, centre, b)
+        );
         all += parts_.last();
     }
     if (all <= 0)       // outside its cell by rounding, or cells that overlap

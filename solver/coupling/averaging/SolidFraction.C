@@ -34,10 +34,10 @@ SolidFraction::SolidFraction(const fvMesh& mesh, DiffusionKernel& kernel)
         zeroGradientFvPatchScalarField::typeName
     ),
     timeIndex_(-1),
-    added_(mesh.nCells(), Zero),
+    added_(overlap_.size(), Zero),
     largest_(0),
     excessVolume_(0),
-    arrived_(mesh.nCells(), Zero)
+    arrived_(overlap_.size(), Zero)
 {}
 
 
@@ -66,8 +66,12 @@ void SolidFraction::add
 
 const volScalarField& SolidFraction::finish(const scalar maximum)
 {
+    overlap_.close(added_);
     scalarField& theta = theta_.primitiveFieldRef();
-    theta = added_/mesh().V();
+    forAll(theta, celli)
+    {
+        theta[celli] = added_[celli]/mesh().V()[celli];
+    }
 
     kernel_.adapt(returnReduce(largest_, maxOp<scalar>()));
     kernel_.smooth(theta_);
@@ -98,8 +102,9 @@ void SolidFraction::arrive
 }
 
 
-tmp<volScalarField> SolidFraction::arrivedFraction() const
+tmp<volScalarField> SolidFraction::arrivedFraction()
 {
+    overlap_.close(arrived_);
     auto tfraction = tmp<volScalarField>::New
     (
         passingField("arrivedFraction", mesh()),
@@ -107,7 +112,11 @@ tmp<volScalarField> SolidFraction::arrivedFraction() const
         dimensionedScalar(dimless, Zero),
         zeroGradientFvPatchScalarField::typeName
     );
-    tfraction.ref().primitiveFieldRef() = arrived_/mesh().V();
+    scalarField& fraction = tfraction.ref().primitiveFieldRef();
+    forAll(fraction, celli)
+    {
+        fraction[celli] = arrived_[celli]/mesh().V()[celli];
+    }
     kernel_.smooth(tfraction.ref());
     tfraction.ref().correctBoundaryConditions();
     return tfraction;

@@ -194,17 +194,20 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
 List<ElutriaCloud::RankWork> ElutriaCloud::workOfRanks() const
 {
     RankWork own(ofRank_);
+    own.cells = mesh().nCells();
+    own.particles = size();
     if (contacts_)
     {
         const auto& traffic = contacts_->engine().exchange().traffic();
+        own.calls = traffic.calls;
         own.seconds = traffic.seconds;
         own.bytes = traffic.bytes;
     }
     List<scalarList> rows(Pstream::nProcs());
     rows[Pstream::myProcNo()] = scalarList
     ({
-        own.particleSteps, own.ghostSteps, own.sharedIslands, own.seconds,
-        own.bytes
+        own.cells, own.particles, own.particleSteps, own.ghostSteps,
+        own.sharedIslands, own.calls, own.seconds, own.bytes
     });
     Pstream::gatherList(rows);
     DynamicList<RankWork> ranks;
@@ -212,7 +215,7 @@ List<ElutriaCloud::RankWork> ElutriaCloud::workOfRanks() const
     {
         if (r.size())
         {
-            ranks.append({r[0], r[1], r[2], r[3], r[4]});
+            ranks.append({r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]});
         }
     }
     return List<RankWork>(ranks);

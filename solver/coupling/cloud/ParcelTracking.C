@@ -282,6 +282,7 @@ void ParcelTracking::keep
     for (const Arrived& a : arrived)
     {
         step.ends.push_back({parcelName(*a.parcel), a.target});
+        coupling_.keep(a.dragRate);
         cloud_.addParticle(a.parcel);
     }
 }
@@ -334,8 +335,10 @@ void ParcelTracking::track
             else
             {
                 deposit(p, flight);
-                coupling_.keep(flight.dragRate);
-                arrived.push_back({moving.remove(&p), flight.target});
+                arrived.push_back
+                (
+                    {moving.remove(&p), flight.target, flight.dragRate}
+                );
             }
         }
     } while (transfer.exchange(moving, flightOf, td));

@@ -18,4 +18,8 @@ constexpr const char* gasColumns =
     "time_s,patch,area_m2,volume_flow_m3_s,mass_flow_kg_s,velocity_m_s,pressure_pa,"
     "asked_volume_flow_m3_s";
 
+/// Columns of ranks.csv in postProcessing.
+constexpr const char* rankColumns =
+    "rank,cells,particles,particle_steps,ghost_steps,shared_islands,exchanges,exchange_s,sent_bytes";
+
 } // namespace elutria::laws

@@ -20,6 +20,7 @@ public:
     struct Traffic
     {
         double seconds = 0;              // wall time, waiting for others included
+        std::size_t calls = 0;           // each a message to every other rank, or none
         std::size_t bytes = 0;           // sent to other ranks
     };
 
@@ -34,6 +35,7 @@ public:
     {
         if (alone()) return toEach;
         const Stopwatch watch(traffic_.seconds);
+        ++traffic_.calls;
         for (std::size_t r = 0; r < toEach.size(); ++r)
             if (int(r) != rank()) traffic_.bytes += toEach[r].size();
         return doSwap(std::move(toEach));
@@ -43,6 +45,7 @@ public:
     {
         if (alone()) return {std::move(mine)};
         const Stopwatch watch(traffic_.seconds);
+        ++traffic_.calls;
         traffic_.bytes += mine.size()*std::size_t(ranks() - 1);
         return doShare(std::move(mine));
     }

@@ -12,7 +12,11 @@ Description
 #include "schedule/ScenePlan.H"
 #include "cloud/stockWords.H"
 #include "contacts/ContactEstimate.H"
+#include "foam/Json.H"
 #include "foam/ownEntries.H"
+#include "laws/OutputFiles.hpp"
+
+#include <fstream>
 
 namespace Foam
 {
@@ -332,6 +336,51 @@ void ScenePlan::announce
 }
 
 
+void ScenePlan::reportRanks(PlanTable& table, const ElutriaCloud& cloud) const
+{
+    if (!Pstream::parRun() || !cloud.contacts())
+    {
+        return;
+    }
+    const List<ElutriaCloud::RankWork> ranks(cloud.workOfRanks());
+    if (!Pstream::master())
+    {
+        return;
+    }
+    const fileName folder(cloud.time().globalPath()/"postProcessing");
+    mkDir(folder);
+    std::ofstream file(folder/"ranks.csv");
+    file << elutria::laws::rankColumns << '\n';
+    forAll(ranks, r)
+    {
+        const ElutriaCloud::RankWork& rank = ranks[r];
+        file<< r;
+        for
+        (
+            const scalar number :
+            {
+                rank.cells, rank.particles, rank.particleSteps,
+                rank.ghostSteps, rank.sharedIslands, rank.calls, rank.seconds,
+                rank.bytes
+            }
+        )
+        {
+            file<< ',' << json::number(number);
+        }
+        file<< '\n';
+        table.row
+        (
+            "rank " + std::to_string(r),
+            threeDigits(rank.particleSteps) + " steps",
+            threeDigits(rank.ghostSteps) + " of ghosts, "
+          + threeDigits(rank.sharedIslands) + " shared islands, "
+          + threeDigits(rank.seconds) + " s in exchange, "
+          + threeDigits(rank.bytes/1e6) + " MB sent"
+        );
+    }
+}
+
+
 void ScenePlan::report(const ElutriaCloud& cloud) const
 {
     static const char* const names[nParts] =
@@ -374,20 +423,7 @@ void ScenePlan::report(const ElutriaCloud& cloud) const
             "of the particle steps took contact steps"
         );
     }
-    const List<ElutriaCloud::RankWork> ranks(cloud.workOfRanks());
-    for (label r = 0; cloud.contacts() && ranks.size() > 1 && r < ranks.size(); ++r)
-    {
-        const ElutriaCloud::RankWork& rank = ranks[r];
-        table.row
-        (
-            "rank " + std::to_string(r),
-            threeDigits(rank.particleSteps) + " steps",
-            threeDigits(rank.ghostSteps) + " of ghosts, "
-          + threeDigits(rank.sharedIslands) + " shared islands, "
-          + threeDigits(rank.seconds) + " s in exchange, "
-          + threeDigits(rank.bytes/1e6) + " MB sent"
-        );
-    }
+    reportRanks(table, cloud);
     for (label p = 0; p < nParts; ++p)
     {
         table.row
