@@ -46,3 +46,4 @@ double residentBytes();                 // of this process, now
 int runBox(const Options& options);
 int runNeighbours(const Options& options);
 int runColumn(const Options& options);
+int runThreads(const Options& options);

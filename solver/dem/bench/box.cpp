@@ -3,70 +3,17 @@
 //   law=hertz|linear young=1e7 poisson=0.35 restitution=0.9 friction=0.1 threads=1
 
 #include "bench.hpp"
+#include "boxScene.hpp"
 #include "laws/LawList.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <random>
 
 using namespace elutria::dem;
 
 namespace
 {
-
-constexpr double pi = 3.14159265358979323846;
-
-WallGeometry floorAndLid(double width, double height)
-{
-    WallGeometry g;
-    for (double z : {0.0, height})
-    {
-        const auto k = std::uint32_t(g.points.size());
-        g.points.insert(g.points.end(), {{0, 0, z}, {width, 0, z}, {width, width, z},
-                                         {0, width, z}});
-        g.triangles.push_back({k, k + 1, k + 2});
-        g.triangles.push_back({k, k + 2, k + 3});
-        g.material.insert(g.material.end(), 2, 0);
-    }
-    return g;
-}
-
-/// Spheres at random places of a jittered lattice that fills the box, falling at `speed`.
-Particles fill(std::size_t count, double width, double height, double diameter, double speed)
-{
-    Particles p;
-    std::mt19937_64 random(15485863);
-    std::uniform_real_distribution<double> uniform(-0.5, 0.5);
-    std::size_t across = 1, along = 1;
-    while (across*across*along < count)
-    {
-        if (width/double(across + 1) < height/double(along)) ++along;
-        else ++across;
-    }
-    const double dx = width/double(across), dz = (height - diameter)/double(along);
-    std::vector<std::size_t> places(across*across*along);
-    for (std::size_t k = 0; k < places.size(); ++k) places[k] = k;
-    std::shuffle(places.begin(), places.end(), random);
-    const double room = 0.98*(std::min(dx, dz) - diameter);
-    if (room < 0) throw std::invalid_argument("the box is too small for its particles");
-    for (std::size_t k = 0; k < count; ++k)
-    {
-        const std::size_t i = places[k] % across, j = places[k]/across % across,
-                          l = places[k]/(across*across);
-        p.id.push_back(k + 1);
-        p.material.push_back(0);
-        p.radius.push_back(diameter/2);
-        p.mass.push_back(pi/6*diameter*diameter*diameter*2526);
-        p.position.push_back({(double(i) + 0.5)*dx + room*uniform(random),
-                              (double(j) + 0.5)*dx + room*uniform(random),
-                              diameter/2 + (double(l) + 0.5)*dz + room*uniform(random)});
-        p.velocity.push_back({0, 0, -speed});
-        p.spin.push_back({});
-    }
-    p.acceleration.assign(count, {0, 0, -9.81});
-    return p;
-}
 
 struct State
 {
@@ -90,27 +37,22 @@ struct State
 int runBox(const Options& o)
 {
     const auto count = std::size_t(o.number("particles", 25000));
-    const double width = o.number("width", 0.075*std::sqrt(double(count)/25000));
-    const double height = o.number("height", 0.25), diameter = o.number("diameter", 0.0025);
-    const double step = o.number("step", 1e-5);
-    Settings settings;
-    settings.law = o.text("law", "hertz") == "linear" ? &contactLaw<LinearSpringDashpot> : &contactLaw<HertzMindlin>;
-    settings.treatment = ContactTreatment::soft;
+    BoxScene scene;
+    scene.width = scene.depth = o.number("width", 0.075*std::sqrt(double(count)/25000));
+    scene.height = o.number("height", 0.25);
+    const double diameter = o.number("diameter", 0.0025), step = o.number("step", 1e-5);
+    scene.step = step;
+    Settings settings = scene.settings(unsigned(o.number("threads", 1)));
+    if (o.text("law", "hertz") == "linear") settings.law = &contactLaw<LinearSpringDashpot>;
     settings.search = searchNamed(o.text("search", "automatic"));
-    settings.threads = unsigned(o.number("threads", 1));
-    settings.step = step;
     settings.skin = o.number("skin", 0);
-    settings.box = {{0, 0, 0}, {width, width, height}, {true, true, false}};
-    ContactMaterials materials;
-    materials.add({"grain", o.number("young", 1e7), o.number("poisson", 0.35)});
-    PairProperties pair;
-    pair.restitution = o.number("restitution", 0.9);
-    pair.friction = o.number("friction", 0.1);
-    materials.setPair(0, 0, pair);
-    Engine engine(settings, materials, Walls(floorAndLid(width, height), settings.box));
+    Engine engine(settings,
+                  grain(o.number("young", 1e7), o.number("poisson", 0.35),
+                        o.number("restitution", 0.9), o.number("friction", 0.1)),
+                  scene.walls());
 
     const double before = residentBytes();
-    Particles p = fill(count, width, height, diameter, 0.1);
+    Particles p = scene.fill(count, diameter, 0.1);
     const auto steps = std::size_t(o.number("steps", 20000));
     const auto report = std::size_t(o.number("report", 1000));
     for (std::size_t done = 0; done < steps;)

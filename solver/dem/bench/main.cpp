@@ -2,6 +2,7 @@
 //   elutriaDemBench box KEY=VALUE ...          see box.cpp
 //   elutriaDemBench neighbours KEY=VALUE ...   see neighbours.cpp
 //   elutriaDemBench column KEY=VALUE ...       see column.cpp
+//   elutriaDemBench threads KEY=VALUE ...      see threads.cpp
 
 #include "bench.hpp"
 
@@ -17,7 +18,8 @@ int main(int argc, char** argv)
         if (mode == "box") return runBox(options);
         if (mode == "neighbours") return runNeighbours(options);
         if (mode == "column") return runColumn(options);
-        std::cerr << "usage: elutriaDemBench box|neighbours|column KEY=VALUE ...\n";
+        if (mode == "threads") return runThreads(options);
+        std::cerr << "usage: elutriaDemBench box|neighbours|column|threads KEY=VALUE ...\n";
         return 2;
     }
     catch (const std::exception& error)

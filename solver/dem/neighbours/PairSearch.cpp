@@ -1,6 +1,7 @@
 #include "neighbours/PairSearch.hpp"
 
-#include "core/forEach.hpp"
+#include "core/Grouping.hpp"
+#include "core/Untouched.hpp"
 #include "neighbours/CellGrid.hpp"
 
 #include <algorithm>
@@ -36,13 +37,18 @@ public:
         return pairs_.data() + count_;
     }
     void take(std::size_t count) { count_ += count; }
-    void clear() { count_ = 0; }
+    /// Forgets the pairs; about so many will come.
+    void expect(std::size_t count)
+    {
+        count_ = 0;
+        pairs_.reserve(count);
+    }
 
     const Pair* begin() const { return pairs_.data(); }
     const Pair* end() const { return pairs_.data() + count_; }
 
 private:
-    std::vector<Pair> pairs_;
+    Untouched<Pair> pairs_;
     std::size_t count_ = 0;
 };
 
@@ -69,6 +75,33 @@ struct Entry
     std::uint32_t index;
 };
 
+/// Box around the centres, and the reaches.
+struct Extent
+{
+    Vector3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};      // m
+    double smallest = 1e300, largest = 0;                                // m
+
+    void add(const Extent& e)
+    {
+        for (int a = 0; a < 3; ++a)
+            low[a] = std::min(low[a], e.low[a]), high[a] = std::max(high[a], e.high[a]);
+        smallest = std::min(smallest, e.smallest), largest = std::max(largest, e.largest);
+    }
+};
+
+Extent extentOf(const Spheres& s, unsigned threads)
+{
+    Extent all;
+    for (const Extent& part : forBlocks(threads, s.size, [&](std::size_t first, std::size_t last)
+    {
+        Extent here;
+        for (std::size_t i = first; i < last; ++i)
+            here.add({s.position(i), s.position(i), s.reach(i), s.reach(i)});
+        return here;
+    })) all.add(part);
+    return all;
+}
+
 } // namespace
 
 /// Grids, from that of the largest spheres on, with what lies in them.
@@ -76,9 +109,9 @@ struct SearchGrids
 {
     std::vector<Grid> levels;
     std::vector<std::uint32_t> levelBegin;     // in entries
-    std::vector<Entry> entries;                // by level, then cell
-    std::vector<std::uint32_t> begin;          // of each cell, in entries
-    std::vector<std::uint32_t> cell;           // of each sphere
+    Untouched<Entry> entries;                  // by level, then cell, there in any order
+    Untouched<std::uint32_t> begin;            // of each cell, in entries
+    Untouched<std::uint32_t> cell;             // of each sphere
     std::vector<Found> found;                  // by each thread
 
     void make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers);
@@ -90,56 +123,62 @@ private:
 /// Grids of doubling cell width, or a single one.
 void SearchGrids::make(const Spheres& s, const PeriodicBox& box, bool hierarchical, int layers)
 {
-    Vector3 low{1e300, 1e300, 1e300}, high = -low;
-    double smallest = 1e300, largest = 0;
-    for (std::size_t i = 0; i < s.size; ++i)
-    {
-        const Vector3 x = s.position(i);
-        low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-        high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-        smallest = std::min(smallest, s.reach(i));
-        largest = std::max(largest, s.reach(i));
-    }
+    const auto threads = unsigned(found.size());
+    const Extent extent = extentOf(s, threads);
     const auto levelOf = [&](double reach)
     {
-        return hierarchical ? std::min(20, std::ilogb(largest/reach + 1e-9)) : 0;
+        return hierarchical ? std::min(20, std::ilogb(extent.largest/reach + 1e-9)) : 0;
     };
-    levels.assign(levelOf(smallest) + 1, {});
+    levels.assign(levelOf(extent.smallest) + 1, {});
     cell.resize(s.size);
-    for (std::uint32_t i = 0; i < s.size; ++i)
+    const auto parts = forBlocks(threads, s.size, [&](std::size_t first, std::size_t last)
     {
-        Grid& level = levels[cell[i] = levelOf(s.reach(i))];
-        level.largestReach = std::max(level.largestReach, s.reach(i));
-        ++level.spheres;
-    }
+        std::vector<Grid> part(levels.size());
+        for (std::size_t i = first; i < last; ++i)
+        {
+            Grid& level = part[cell[i] = levelOf(s.reach(i))];
+            level.largestReach = std::max(level.largestReach, s.reach(i));
+            ++level.spheres;
+        }
+        return part;
+    });
     std::size_t cells = 0;
     levelBegin.assign(1, 0);
-    for (Grid& level : levels)
+    for (std::size_t l = 0; l < levels.size(); ++l)
     {
+        Grid& level = levels[l];
+        for (const std::vector<Grid>& part : parts)
+        {
+            level.largestReach = std::max(level.largestReach, part[l].largestReach);
+            level.spheres += part[l].spheres;
+        }
         level.firstCell = cells;
-        if (level.spheres > 0) level.shape(box, low, high, 2*level.largestReach/layers);
+        if (level.spheres > 0) level.shape(box, extent.low, extent.high, 2*level.largestReach/layers);
         if (level.spheres > 0) cells += level.size();
         levelBegin.push_back(levelBegin.back() + std::uint32_t(level.spheres));
     }
-    begin.assign(cells + 2, 0);
+    begin.resize(cells + 2);
+    forElements(threads, begin.size(), [&](std::size_t c) { begin[c] = 0; });
     sort(s, box);
 }
 
 void SearchGrids::sort(const Spheres& s, const PeriodicBox& box)
 {
     // shifted by two: once the entries are placed, begin[c] is where those of c begin
-    for (std::uint32_t i = 0; i < s.size; ++i)
+    const unsigned threads = threadsFor(s.size, unsigned(found.size()));
+    forElements(threads, s.size, [&](std::size_t i)
     {
         cell[i] = std::uint32_t(levels[cell[i]].cellOf(box.wrapped(s.position(i))));
-        ++begin[cell[i] + 2];
-    }
-    for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+        addOne(begin[cell[i] + 2], threads > 1);
+    });
+    sumUp(threads, begin);
     entries.resize(s.size);
-    for (std::uint32_t i = 0; i < s.size; ++i)
+    forElements(threads, s.size, [&](std::size_t i)
     {
         const Vector3 x = box.wrapped(s.position(i));
-        entries[begin[cell[i] + 1]++] = {x.x, x.y, x.z, s.reach(i), i};
-    }
+        entries[addOne(begin[cell[i] + 1], threads > 1)] =
+            {x.x, x.y, x.z, s.reach(i), std::uint32_t(i)};
+    });
 }
 
 namespace
@@ -213,24 +252,27 @@ void gridSearch(const Spheres& s, const PeriodicBox& box, bool hierarchical, int
 void sortPairs(const std::vector<Found>& found, std::size_t n, PairList& list)
 {
     // shifted by two: once the pairs are placed, begin[i] is where those of i begin
-    list.begin.assign(n + 2, 0);
+    const auto threads = unsigned(found.size());
+    list.begin.resize(n + 2);
+    forElements(threads, n + 2, [&](std::size_t i) { list.begin[i] = 0; });
     std::size_t size = 0;
-    for (const Found& part : found)
+    for (const Found& part : found) size += std::size_t(part.end() - part.begin());
+    forEach(threads, found.size(), [&](std::size_t t)
     {
-        for (const Pair& pair : part) ++list.begin[pair.first + 2];
-        size += std::size_t(part.end() - part.begin());
-    }
-    for (std::size_t i = 1; i < n + 2; ++i) list.begin[i] += list.begin[i - 1];
+        for (const Pair& pair : found[t]) addOne(list.begin[pair.first + 2], threads > 1);
+    });
+    sumUp(threads, list.begin);
     list.second.resize(size);
-    for (const Found& part : found)
+    forEach(threads, found.size(), [&](std::size_t t)
     {
-        for (const Pair& pair : part) list.second[list.begin[pair.first + 1]++] = pair.second;
-    }
+        for (const Pair& pair : found[t])
+            list.second[addOne(list.begin[pair.first + 1], threads > 1)] = pair.second;
+    });
     list.begin.resize(n + 1);
-    for (std::size_t i = 0; i < n; ++i)
+    forElements(threads, n, [&](std::size_t i)
     {
         std::sort(list.second.begin() + list.begin[i], list.second.begin() + list.begin[i + 1]);
-    }
+    });
 }
 
 } // namespace
@@ -243,8 +285,8 @@ void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourS
                       int cellLayers, unsigned threads, PairList& list)
 {
     std::vector<Found>& found = grids_->found;
-    for (Found& part : found) part.clear();
     found.resize(std::max(1u, threads));
+    for (Found& part : found) part.expect(list.size()/found.size());
     if (method == NeighbourSearch::bruteForce)
     {
         bruteForce(spheres, box, found[0]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/PeriodicBox.hpp"
+#include "core/Untouched.hpp"
 #include "laws/Settings.hpp"
 
 #include <cstdint>
@@ -39,7 +40,7 @@ struct Pair
 /// second[begin[i]] .. second[begin[i + 1] - 1], ascending, all above i.
 struct PairList
 {
-    std::vector<std::uint32_t> begin, second;
+    Untouched<std::uint32_t> begin, second;
 
     std::size_t size() const { return second.size(); }
     std::vector<Pair> pairs() const;

@@ -1,6 +1,7 @@
 #include "soft/PairContacts.hpp"
 
-#include "core/forEach.hpp"
+#include "core/Grouping.hpp"
+#include "core/Untouched.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +36,8 @@ std::size_t PairContacts::Arrays::bytes() const
            + touching.capacity();
 }
 
-PairContacts::PairContacts(const LawTable& laws) : laws_(laws), kernel_(ContactLaws::find(laws.law().name))
+PairContacts::PairContacts(const LawTable& laws, unsigned threads)
+  : laws_(laws), kernel_(ContactLaws::find(laws.law().name)), threads_(threads)
 {
     for (std::uint32_t a = 0; a < laws.size(); ++a)
     {
@@ -49,52 +51,38 @@ PairContacts::PairContacts(const LawTable& laws) : laws_(laws), kernel_(ContactL
     }
 }
 
-namespace
+void PairContacts::reset(const Chunks& chunks, const std::vector<LastingPair>& lasting)
 {
-
-/// Ascending by first, then second.
-void sortByParticle(std::vector<LastingPair>& pairs, std::size_t particles)
-{
-    std::vector<std::uint32_t> begin(particles + 2, 0);
-    for (const LastingPair& p : pairs) ++begin[p.first + 2];
-    for (std::size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    std::vector<LastingPair> sorted(pairs.size());
-    for (const LastingPair& p : pairs) sorted[begin[p.first + 1]++] = p;
-    for (std::size_t i = 0; i < particles; ++i)
+    runs_ = chunks;
+    chunks_.resize(chunks.count());
+    const auto chunkOf = [&](std::size_t k) { return runs_.of(lasting[k].first); };
+    Grouping grouping(threads_, lasting.size(), chunks.count());
+    grouping.read(chunkOf);
+    Untouched<LastingPair> grouped(lasting.size());
+    grouping.write(chunkOf, [&](std::size_t k, std::size_t place) { grouped[place] = lasting[k]; });
+    forEach(threads_, chunks.count(), [&](std::size_t c)
     {
-        std::sort(sorted.begin() + begin[i], sorted.begin() + begin[i + 1],
-                  [](const LastingPair& a, const LastingPair& b) { return a.second < b.second; });
-    }
-    pairs.swap(sorted);
-}
-
-} // namespace
-
-void PairContacts::reset(std::size_t particles, std::vector<LastingPair>& lasting)
-{
-    sortByParticle(lasting, particles);
-    particles_ = particles;
-    chunks_.resize((particles + chunkSize - 1)/chunkSize);
-    std::size_t k = 0;
-    for (std::size_t c = 0; c < chunks_.size(); ++c)
-    {
+        const auto begin = grouped.begin() + std::ptrdiff_t(grouping.place(c));
+        const auto end = grouped.begin() + std::ptrdiff_t(grouping.place(c + 1));
+        const auto inside = std::partition(begin, end, [&](const LastingPair& p)
+        {
+            return p.second < runs_.end(c);
+        });
+        for (auto from : {begin, inside})
+        {
+            std::sort(from, from == begin ? inside : end,
+                      [](const LastingPair& a, const LastingPair& b)
+            {
+                return a.first != b.first ? a.first < b.first : a.second < b.second;
+            });
+        }
+        chunks_[c].loaded = false;
         Arrays& arrays = chunks_[c].current;
         arrays.count = 0;
-        const std::size_t begin = k, end = chunkEnd(c);
-        const auto add = [&](bool inside)
-        {
-            for (k = begin; k < lasting.size() && lasting[k].first < end; ++k)
-            {
-                const LastingPair& p = lasting[k];
-                if ((p.second < end) != inside) continue;
-                arrays.makeRoom(1);
-                arrays.push(p.first, p.second, p.x, p.y, p.z, 1);
-            }
-        };
-        add(true);
-        arrays.inside = arrays.count;
-        add(false);
-    }
+        arrays.inside = std::size_t(inside - begin);
+        arrays.makeRoom(std::size_t(end - begin));
+        for (auto p = begin; p != end; ++p) arrays.push(p->first, p->second, p->x, p->y, p->z, 1);
+    });
 }
 
 /// Walks through the old contacts in step with the neighbour list.
@@ -130,7 +118,7 @@ void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList
     // the buffers of the last chunk go round: each thread holds one set more than there are chunks
     static thread_local Arrays next;
     static thread_local std::vector<Pair> later;
-    const auto begin = std::uint32_t(chunkBegin(c)), end = std::uint32_t(chunkEnd(c));
+    const auto begin = std::uint32_t(runs_.begin(c)), end = std::uint32_t(runs_.end(c));
     const Row* rows = cloud.rows.data();
     const std::uint8_t* weighted = cloud.weighted.empty() ? nullptr : cloud.weighted.data();
     const PeriodicBox& box = cloud.box;
@@ -173,23 +161,44 @@ void PairContacts::refresh(std::size_t c, const SoftCloud& cloud, const PairList
 
 void PairContacts::connect()
 {
-    const auto forAcross = [&](const auto& visit)
+    // parts of the chunks, in order: what each has for a chunk is placed behind what those before have
+    const std::size_t chunks = chunks_.size(), parts = std::min<std::size_t>(threads_, chunks);
+    std::vector<std::uint32_t> places(parts*chunks);
+    const auto forAcross = [&](std::size_t part, const auto& visit)
     {
-        for (std::size_t c = 0; c < chunks_.size(); ++c)
+        for (std::size_t c = chunks*part/parts; c < chunks*(part + 1)/parts; ++c)
         {
             const Arrays& a = chunks_[c].current;
             for (std::size_t k = a.inside; k < a.count; ++k)
             {
-                visit(chunks_[a.second[k]/chunkSize], c, k - a.inside, a.second[k]);
+                const std::size_t to = runs_.of(a.second[k]);
+                visit(chunks_[to], places[part*chunks + to],
+                      Incoming{std::uint32_t(c), std::uint32_t(k - a.inside), a.second[k]});
             }
         }
     };
-    for (Chunk& chunk : chunks_) chunk.incoming.clear(), chunk.incomingCount = 0;
-    forAcross([](Chunk& to, auto...) { ++to.incomingCount; });
-    for (Chunk& chunk : chunks_) chunk.incoming.reserve(chunk.incomingCount);
-    forAcross([](Chunk& to, std::size_t from, std::size_t slot, std::uint32_t particle)
+    forEach(threads_, parts, [&](std::size_t part)
     {
-        to.incoming.push_back({std::uint32_t(from), std::uint32_t(slot), particle});
+        forAcross(part, [](Chunk&, std::uint32_t& count, const Incoming&) { ++count; });
+    });
+    forEach(threads_, chunks, [&](std::size_t c)
+    {
+        std::uint32_t before = 0;
+        for (std::size_t part = 0; part < parts; ++part)
+        {
+            std::uint32_t& place = places[part*chunks + c];
+            const std::uint32_t here = place;
+            place = before, before += here;
+        }
+        chunks_[c].incoming.reserve(before);
+        chunks_[c].incoming.resize(before);
+    });
+    forEach(threads_, parts, [&](std::size_t part)
+    {
+        forAcross(part, [](Chunk& to, std::uint32_t& place, const Incoming& incoming)
+        {
+            to.incoming[place++] = incoming;
+        });
     });
 }
 
@@ -249,6 +258,8 @@ void PairContacts::evaluateSingly(PairWork& w)
         }
         w.largestOverlap = std::max(w.largestOverlap,
                                     float(0.5*overlap*sum/(a.radius*b.radius)));
+        dem::startSums(w.loads, w.begin, w.end, w.loaded);
+        w.acrossActs = w.acrossActs || k >= w.inside;
         const Contribution c = transition(w.self, k);
         Load& first = w.loads[i];
         first.fx += c.fx, first.fy += c.fy, first.fz += c.fz;
@@ -274,8 +285,11 @@ void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
     work.contacts = {a.count, a.first.data(), a.second.data(), a.x.data(), a.y.data(),
                      a.z.data(), a.touching.data()};
     work.inside = a.inside;
+    work.begin = runs_.begin(index), work.end = runs_.end(index);
     work.loads = cloud.loads.data();
+    work.loaded = chunk.loaded;
     work.across = chunk.across.data();
+    work.acrossActs = false;
     for (int axis = 0; axis < 3; ++axis)
     {
         const bool wraps = cloud.box.periodic[axis];
@@ -292,6 +306,8 @@ void PairContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
     if (kernel_ < ContactLaws::size) kernels().pairs[kernel_](work);
     else evaluateSingly(work);
     chunk.largestOverlap = std::max(chunk.largestOverlap, work.largestOverlap);
+    chunk.loaded = work.loaded;
+    chunk.acrossActs = work.acrossActs;
 }
 
 void PairContacts::addRolling(std::size_t index, SoftCloud& cloud, StepWeights weights)
@@ -331,15 +347,24 @@ void PairContacts::addRolling(std::size_t index, SoftCloud& cloud, StepWeights w
     }
 }
 
-void PairContacts::receive(std::size_t index, SoftCloud& cloud) const
+void PairContacts::receive(std::size_t index, SoftCloud& cloud)
 {
-    for (const Incoming& in : chunks_[index].incoming)
+    Chunk& chunk = chunks_[index];
+    for (const Incoming& in : chunk.incoming)
     {
-        const Contribution& c = chunks_[in.chunk].across[in.slot];
+        const Chunk& from = chunks_[in.chunk];
+        if (!from.acrossActs) continue;
+        if (!chunk.loaded) startSums(index, cloud);
+        const Contribution& c = from.across[in.slot];
         Load& load = cloud.loads[in.particle];
         load.fx -= c.fx, load.fy -= c.fy, load.fz -= c.fz;
         load.mx += c.mx, load.my += c.my, load.mz += c.mz;
     }
+}
+
+void PairContacts::startSums(std::size_t chunk, SoftCloud& cloud)
+{
+    dem::startSums(cloud.loads.data(), runs_.begin(chunk), runs_.end(chunk), chunks_[chunk].loaded);
 }
 
 double PairContacts::takeLargestOverlap()
@@ -355,30 +380,33 @@ double PairContacts::takeLargestOverlap()
 
 std::vector<LastingPair> PairContacts::lasting() const
 {
-    std::vector<LastingPair> all;
-    for (const Chunk& chunk : chunks_)
+    std::vector<std::size_t> begin(chunks_.size() + 1, 0);
+    forEach(threads_, chunks_.size(), [&](std::size_t c) { begin[c + 1] = touching(c); });
+    for (std::size_t c = 0; c < chunks_.size(); ++c) begin[c + 1] += begin[c];
+    std::vector<LastingPair> all(begin.back());
+    forEach(threads_, chunks_.size(), [&](std::size_t c)
     {
-        const Arrays& a = chunk.current;
+        const Arrays& a = chunks_[c].current;
+        LastingPair* next = all.data() + begin[c];
         for (std::size_t k = 0; k < a.count; ++k)
         {
-            if (a.touching[k]) all.push_back({a.first[k], a.second[k], a.x[k], a.y[k], a.z[k]});
+            if (a.touching[k]) *next++ = {a.first[k], a.second[k], a.x[k], a.y[k], a.z[k]};
         }
-    }
-    std::sort(all.begin(), all.end(), [](const LastingPair& a, const LastingPair& b)
-    {
-        return a.first != b.first ? a.first < b.first : a.second < b.second;
     });
     return all;
+}
+
+std::size_t PairContacts::touching(std::size_t chunk) const
+{
+    const Arrays& a = chunks_[chunk].current;
+    return std::size_t(std::count(a.touching.begin(),
+                                  a.touching.begin() + std::ptrdiff_t(a.count), 1));
 }
 
 std::size_t PairContacts::touching() const
 {
     std::size_t count = 0;
-    for (const Chunk& c : chunks_)
-    {
-        count += std::size_t(std::count(c.current.touching.begin(),
-                                        c.current.touching.begin() + c.current.count, 1));
-    }
+    for (std::size_t c = 0; c < chunks_.size(); ++c) count += touching(c);
     return count;
 }
 

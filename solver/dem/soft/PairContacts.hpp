@@ -3,6 +3,7 @@
 #include "laws/ContactForce.hpp"
 #include "laws/LawTable.hpp"
 #include "neighbours/PairSearch.hpp"
+#include "soft/Chunks.hpp"
 #include "soft/SoftCloud.hpp"
 #include "soft/VerletBuffer.hpp"
 #include "soft/kernels/Kernels.hpp"
@@ -21,7 +22,7 @@ struct LastingPair
 
 /// The pairs that touch or nearly touch, with their history, and their forces.
 ///
-/// Particles are cut into chunks of fixed size in the cloud's order. A pair belongs to the chunk
+/// Particles are cut into chunks in the cloud's order. A pair belongs to the chunk
 /// of its first particle; where its second belongs to another chunk, the force on it is stored
 /// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
 /// threads with bitwise the same sums.
@@ -31,16 +32,12 @@ struct LastingPair
 class PairContacts
 {
 public:
-    static constexpr std::size_t chunkSize = 2048;
+    PairContacts(const LawTable& laws, unsigned threads);
 
-    explicit PairContacts(const LawTable& laws);
-
-    std::size_t chunks() const { return chunks_.size(); }
-    static std::size_t chunkBegin(std::size_t c) { return c*chunkSize; }
-    std::size_t chunkEnd(std::size_t c) const { return std::min(particles_, (c + 1)*chunkSize); }
+    const Chunks& chunks() const { return runs_; }
 
     /// Forgets everything and takes these contacts as touching.
-    void reset(std::size_t particles, std::vector<LastingPair>& lasting);
+    void reset(const Chunks& chunks, const std::vector<LastingPair>& lasting);
 
     /// Chooses the pairs of the list within their buffer; keeps the history of those that touch.
     /// After the last of the chunks, connect().
@@ -55,12 +52,17 @@ public:
     void addRolling(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
 
     /// Adds the forces of other chunks' pairs on the particles of this one.
-    void receive(std::size_t chunk, SoftCloud& cloud) const;
+    void receive(std::size_t chunk, SoftCloud& cloud);
+
+    /// True if the loads of the chunk's particles hold sums; else all are zero, whatever memory holds.
+    bool loaded(std::size_t chunk) const { return chunks_[chunk].loaded; }
+    void startSums(std::size_t chunk, SoftCloud& cloud);
+    void forgetSums(std::size_t chunk) { chunks_[chunk].loaded = false; }
 
     /// Largest overlap met since the last call, over twice the effective radius.
     double takeLargestOverlap();
 
-    /// All contacts that touch, ascending.
+    /// All contacts that touch, chunk by chunk.
     std::vector<LastingPair> lasting() const;
     std::size_t touching() const;
     std::size_t size() const;
@@ -89,25 +91,27 @@ private:
     {
         std::uint32_t chunk, slot, particle;
     };
-    struct Chunk
+    struct alignas(64) Chunk
     {
         Arrays current;
         std::vector<Contribution> across;
         std::vector<Incoming> incoming;
-        std::size_t incomingCount = 0;
         float largestOverlap = 0;
+        bool loaded = false, acrossActs = false;
     };
     class OldContacts;
     struct Job;
 
+    std::size_t touching(std::size_t chunk) const;
     static Contribution transition(void* job, std::size_t k);
     static void evaluateSingly(PairWork& work);
 
     const LawTable& laws_;
     std::size_t kernel_;                // place in the list of laws; its size: not listed
     std::vector<laws::CoefficientsOf<float>> coefficients_;
+    unsigned threads_;
+    Chunks runs_;
     std::vector<Chunk> chunks_;
-    std::size_t particles_ = 0;
 };
 
 } // namespace elutria::dem

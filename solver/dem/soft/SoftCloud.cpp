@@ -1,5 +1,6 @@
 #include "soft/SoftCloud.hpp"
 
+#include "core/Grouping.hpp"
 #include "impacts/Flight.hpp"
 
 #include <algorithm>
@@ -11,66 +12,93 @@
 namespace elutria::dem
 {
 
+/// Other particles than before, by ascending id.
+void SoftCloud::take(const Particles& p)
+{
+    const std::size_t n = p.size();
+    ids_ = p.id;
+    byId_.resize(n);
+    std::iota(byId_.begin(), byId_.end(), 0u);
+    std::sort(byId_.begin(), byId_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
+    for (std::size_t k = 1; k < n; ++k)
+    {
+        if (p.id[byId_[k]] != p.id[byId_[k - 1]]) continue;
+        forget();
+        throw std::invalid_argument("particle id " + std::to_string(p.id[byId_[k]])
+                                    + " is given twice; ids must be unique");
+    }
+    order_.assign(byId_.begin(), byId_.end());
+    rows.resize(n), bases.resize(n), loads.resize(n);
+}
+
 double SoftCloud::load(const Particles& p, double step)
 {
     const std::size_t n = p.size();
     const bool same = holds(p);
-    if (!same)
-    {
-        ids_ = p.id;
-        byId_.resize(n);
-        std::iota(byId_.begin(), byId_.end(), 0u);
-        std::sort(byId_.begin(), byId_.end(),
-                  [&](std::uint32_t a, std::uint32_t b) { return p.id[a] < p.id[b]; });
-        for (std::size_t k = 1; k < n; ++k)
-        {
-            if (p.id[byId_[k]] != p.id[byId_[k - 1]]) continue;
-            forget();
-            throw std::invalid_argument("particle id " + std::to_string(p.id[byId_[k]])
-                                        + " is given twice; ids must be unique");
-        }
-        order_ = byId_;
-        rows.assign(n, {}), bases.assign(n, {}), loads.assign(n, {});
-    }
+    if (!same) take(p);
     const bool oneMaterial = std::all_of(p.material.begin(), p.material.end(),
                                          [](std::uint32_t m) { return m == 0; });
     materials.resize(oneMaterial ? 0 : n);
     const bool real = std::all_of(p.statisticalWeight.begin(), p.statisticalWeight.end(),
                                   [](double weight) { return weight == 1; });
     weighted.resize(real ? 0 : n);
-    smallest = 1e300, largest = 0, mean = 0;
-    Vector3 velocities;
-    double shifted = 0;
-    for (std::size_t i = 0; i < n; ++i)
-    {
-        const std::uint32_t k = order_[i];
-        const double radius = p.radius[k];
-        const Vector3 x = box.wrapped(p.position[k]), v = p.velocity[k], s = radius*p.spin[k];
-        if (same)
-        {
-            shifted = std::max(shifted, norm(box.shortest(x - position(i)))
-                                        + std::abs(radius - rows[i].radius));
-        }
-        rows[i] = {x.x, x.y, x.z, radius, 0, 0, 0, float(1/p.mass[k]),
-                   float(s.x), float(s.y), float(s.z), float(1/radius)};
-        bases[i] = {v.x, v.y, v.z, 1/p.mass[k], s.x, s.y, s.z, radius};
-        loads[i] = {};
-        if (!oneMaterial) materials[i] = std::uint8_t(p.material[k]);
-        if (!real) weighted[i] = p.statisticalWeight[k] != 1;
-        smallest = std::min(smallest, radius);
-        largest = std::max(largest, radius);
-        mean += radius/double(n);
-        velocities += v;
-    }
-    frame = n > 0 ? (1/double(n))*velocities : Vector3{};
-    for (std::size_t i = 0; i < n; ++i)
+    const double shifted = loadStates(p, same);
+    forElements(threads, n, [&](std::size_t i)
     {
         rows[i].vx = float(bases[i].vx - frame.x);
         rows[i].vy = float(bases[i].vy - frame.y);
         rows[i].vz = float(bases[i].vz - frame.z);
-    }
+    });
     loadForcing(p, step);
     return shifted;
+}
+
+/// Everything but the rows' velocities; returns the largest shift of a surface.
+double SoftCloud::loadStates(const Particles& p, bool same)
+{
+    struct Part
+    {
+        double smallest = 1e300, largest = 0, sum = 0, shifted = 0;
+        Vector3 velocities;
+    };
+    const auto parts = forBlocks(threads, p.size(), [&](std::size_t begin, std::size_t end)
+    {
+        Part part;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            const std::uint32_t k = order_[i];
+            const double radius = p.radius[k];
+            const Vector3 x = box.wrapped(p.position[k]), v = p.velocity[k], s = radius*p.spin[k];
+            if (same)
+            {
+                part.shifted = std::max(part.shifted, norm(box.shortest(x - position(i)))
+                                                      + std::abs(radius - rows[i].radius));
+            }
+            rows[i] = {x.x, x.y, x.z, radius, 0, 0, 0, float(1/p.mass[k]),
+                       float(s.x), float(s.y), float(s.z), float(1/radius)};
+            bases[i] = {v.x, v.y, v.z, 1/p.mass[k], s.x, s.y, s.z, radius};
+            if (!materials.empty()) materials[i] = std::uint8_t(p.material[k]);
+            if (!weighted.empty()) weighted[i] = p.statisticalWeight[k] != 1;
+            part.smallest = std::min(part.smallest, radius);
+            part.largest = std::max(part.largest, radius);
+            part.sum += radius;
+            part.velocities += v;
+        }
+        return part;
+    });
+    Part all;
+    for (const Part& part : parts)
+    {
+        all.smallest = std::min(all.smallest, part.smallest);
+        all.largest = std::max(all.largest, part.largest);
+        all.shifted = std::max(all.shifted, part.shifted);
+        all.sum += part.sum, all.velocities += part.velocities;
+    }
+    const double each = p.size() > 0 ? 1/double(p.size()) : 0;
+    smallest = all.smallest, largest = all.largest, mean = each*all.sum;
+    frame = each*all.velocities;
+    return all.shifted;
 }
 
 void SoftCloud::loadForcing(const Particles& p, double step)
@@ -84,26 +112,31 @@ void SoftCloud::loadForcing(const Particles& p, double step)
         uniform = p.acceleration.x[i] == push.x && p.acceleration.y[i] == push.y
                   && p.acceleration.z[i] == push.z;
     }
-    forcing.clear();
+    forcing.resize(uniform ? 0 : n);
     if (uniform) return;
-    forcing.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
+    const auto strongest = forBlocks(threads, n, [&](std::size_t begin, std::size_t end)
     {
-        const std::uint32_t k = order_[i];
-        Vector3 a = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
-        const double rate = p.dragRate.empty() ? 0 : p.dragRate[k];
-        if (!p.gasVelocity.empty()) a += rate*p.gasVelocity[k];
-        const FlightFactors f(rate*step);
-        forcing[i] = {a.x, a.y, a.z, f.decay, step*f.phi1, step*f.phi2};
-        strongestPush = std::max(strongestPush, norm(a - rate*p.velocity[k]));
-    }
+        double most = 0;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            const std::uint32_t k = order_[i];
+            Vector3 a = p.acceleration.empty() ? Vector3{} : p.acceleration[k];
+            const double rate = p.dragRate.empty() ? 0 : p.dragRate[k];
+            if (!p.gasVelocity.empty()) a += rate*p.gasVelocity[k];
+            const FlightFactors f(rate*step);
+            forcing[i] = {a.x, a.y, a.z, f.decay, step*f.phi1, step*f.phi2};
+            most = std::max(most, norm(a - rate*p.velocity[k]));
+        }
+        return most;
+    });
+    for (double most : strongest) strongestPush = std::max(strongestPush, most);
 }
 
 void SoftCloud::store(Particles& p, double duration) const
 {
     const bool drag = !p.dragRate.empty();
     if (drag) p.dragImpulse.resize(size());
-    for (std::size_t i = 0; i < size(); ++i)
+    forElements(threads, size(), [&](std::size_t i)
     {
         const std::uint32_t k = order_[i];
         const Base& b = bases[i];
@@ -117,7 +150,7 @@ void SoftCloud::store(Particles& p, double duration) const
         p.position.set(k, box.wrapped(position(i)));
         p.velocity.set(k, {b.vx, b.vy, b.vz});
         p.spin.set(k, (1/b.radius)*Vector3{b.sx, b.sy, b.sz});
-    }
+    });
 }
 
 namespace
@@ -133,75 +166,82 @@ std::uint64_t spread(std::uint64_t a)
     return a;
 }
 
-/// Ascending, by bytes from the least significant on.
-void radixSort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& scratch)
+/// Ascending by the upper half, by bytes from the least significant on; equal ones keep their order.
+void sortByUpperHalf(unsigned threads, Untouched<std::uint64_t>& keys)
 {
-    scratch.resize(keys.size());
-    for (int shift = 0; shift < 64; shift += 8)
+    Untouched<std::uint64_t> sorted(keys.size());
+    for (int shift = 32; shift < 64; shift += 8)
     {
-        std::size_t begin[257] = {};
-        for (std::uint64_t key : keys) ++begin[(key >> shift & 255) + 1];
-        if (std::find(begin + 1, begin + 257, keys.size()) != begin + 257) continue;
-        for (int b = 0; b < 256; ++b) begin[b + 1] += begin[b];
-        for (std::uint64_t key : keys) scratch[begin[key >> shift & 255]++] = key;
-        keys.swap(scratch);
+        const auto byte = [&](std::size_t k) { return std::size_t(keys[k] >> shift & 255); };
+        Grouping grouping(threads, keys.size(), 256);
+        grouping.read(byte);
+        grouping.write(byte, [&](std::size_t k, std::size_t place) { sorted[place] = keys[k]; });
+        keys.swap(sorted);
     }
 }
 
 } // namespace
 
-std::vector<std::uint32_t> SoftCloud::sort(double width)
+Untouched<std::uint32_t> SoftCloud::sort(double width)
 {
     const std::size_t n = size();
-    Vector3 low{1e300, 1e300, 1e300}, high = -low;
-    for (const Row& row : rows)
+    struct Extent
     {
-        const Vector3 x = box.wrapped({row.x, row.y, row.z});
-        for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], x[a]);
-    }
-    for (int a = 0; a < 3; ++a) width = std::max(width, (high[a] - low[a])/1023);
-    std::vector<std::uint32_t> rank(n);
-    for (std::size_t k = 0; k < n; ++k) rank[byId_[k]] = std::uint32_t(k);
+        Vector3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+        void add(const Vector3& x, const Vector3& y)
+        {
+            for (int a = 0; a < 3; ++a)
+                low[a] = std::min(low[a], x[a]), high[a] = std::max(high[a], y[a]);
+        }
+    };
+    const auto extents = forBlocks(threads, n, [&](std::size_t begin, std::size_t end)
+    {
+        Extent extent;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            const Vector3 x = box.wrapped(position(i));
+            extent.add(x, x);
+        }
+        return extent;
+    });
+    Extent all;
+    for (const Extent& extent : extents) all.add(extent.low, extent.high);
+    for (int a = 0; a < 3; ++a) width = std::max(width, (all.high[a] - all.low[a])/1023);
 
-    std::vector<std::uint64_t> keys(n), scratch;
-    std::vector<std::uint32_t> ownOf(n);            // rank by id -> own index
-    for (std::size_t i = 0; i < n; ++i)
+    Untouched<std::uint32_t> target(n);             // first: the own index of each caller's index
+    forElements(threads, n, [&](std::size_t i) { target[order_[i]] = std::uint32_t(i); });
+    Untouched<std::uint64_t> keys(n);               // by id
+    forElements(threads, n, [&](std::size_t k)
     {
+        const std::uint32_t i = target[byId_[k]];
         const Vector3 x = box.wrapped(position(i));
         std::uint64_t key = 0;
         for (int a = 0; a < 3; ++a)
         {
-            const double cell = std::min(1023.0, (x[a] - low[a])/width);
+            const double cell = std::min(1023.0, (x[a] - all.low[a])/width);
             key |= spread(std::uint64_t(cell)) << a;
         }
-        keys[i] = key << 32 | rank[order_[i]];
-        ownOf[rank[order_[i]]] = std::uint32_t(i);
-    }
-    radixSort(keys, scratch);
-    std::vector<std::uint32_t> target(n);
-    for (std::size_t k = 0; k < n; ++k) target[ownOf[keys[k] & 0xffffffffu]] = std::uint32_t(k);
-
-    moveTo(target);
+        keys[k] = key << 32 | i;
+    });
+    sortByUpperHalf(threads, keys);
+    Untouched<std::uint32_t> from(n);
+    forElements(threads, n, [&](std::size_t k)
+    {
+        from[k] = std::uint32_t(keys[k]);
+        target[from[k]] = std::uint32_t(k);
+    });
+    reorder(rows, from), reorder(bases, from), reorder(order_, from);
+    reorder(materials, from), reorder(weighted, from), reorder(forcing, from);
     return target;
 }
 
-/// Moves each particle to its target, in place, cycle by cycle; loads are all zero here.
-void SoftCloud::moveTo(std::vector<std::uint32_t> target)
+template<class Values>
+void SoftCloud::reorder(Values& values, const Untouched<std::uint32_t>& from) const
 {
-    for (std::uint32_t i = 0; i < size(); ++i)
-    {
-        while (target[i] != i)
-        {
-            const std::uint32_t k = target[i];
-            std::swap(rows[i], rows[k]);
-            std::swap(bases[i], bases[k]);
-            std::swap(order_[i], order_[k]);
-            if (!materials.empty()) std::swap(materials[i], materials[k]);
-            if (!weighted.empty()) std::swap(weighted[i], weighted[k]);
-            if (!forcing.empty()) std::swap(forcing[i], forcing[k]);
-            std::swap(target[i], target[k]);
-        }
-    }
+    if (values.empty()) return;
+    Values sorted(values.size());
+    forElements(threads, values.size(), [&](std::size_t k) { sorted[k] = values[from[k]]; });
+    values.swap(sorted);
 }
 
 std::vector<std::uint32_t> SoftCloud::byId() const

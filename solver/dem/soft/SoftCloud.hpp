@@ -2,6 +2,7 @@
 
 #include "core/Particles.hpp"
 #include "core/PeriodicBox.hpp"
+#include "core/Untouched.hpp"
 #include "soft/kernels/Kernels.hpp"
 
 #include <vector>
@@ -35,8 +36,8 @@ public:
     void store(Particles& particles, double duration) const;
 
     /// Sorts along a space-filling curve through cells of `width`; returns the new index of each
-    /// old one. Loads must be zero.
-    std::vector<std::uint32_t> sort(double width);
+    /// old one. Loads do not follow.
+    Untouched<std::uint32_t> sort(double width);
 
     std::uint64_t id(std::size_t i) const { return ids_[order_[i]]; }
     std::uint32_t caller(std::size_t i) const { return order_[i]; }
@@ -54,22 +55,26 @@ public:
     std::size_t bytes() const;
 
     PeriodicBox box;
-    std::vector<Row> rows;
-    std::vector<Base> bases;
-    std::vector<Load> loads;
-    std::vector<Forcing> forcing;           // empty without drag and with equal accelerations
-    std::vector<std::uint8_t> materials;    // empty if all are 0
-    std::vector<std::uint8_t> weighted;     // statistical weight not one; empty if none is
+    unsigned threads = 1;
+    Untouched<Row> rows;
+    Untouched<Base> bases;
+    Untouched<Load> loads;                  // valid where PairContacts::loaded()
+    Untouched<Forcing> forcing;             // empty without drag and with equal accelerations
+    Untouched<std::uint8_t> materials;      // empty if all are 0
+    Untouched<std::uint8_t> weighted;       // statistical weight not one; empty if none is
     Vector3 push;                           // m/s^2: of all, where forcing is empty
     Vector3 frame;                          // m/s: common velocity, taken off in the rows
     double smallest = 0, largest = 0, mean = 0;   // radius, m
     double strongestPush = 0;               // m/s^2
 
 private:
-    void moveTo(std::vector<std::uint32_t> target);
+    void take(const Particles& particles);
+    double loadStates(const Particles& particles, bool same);
+    template<class Values>
+    void reorder(Values& values, const Untouched<std::uint32_t>& from) const;
     void loadForcing(const Particles& particles, double step);
 
-    std::vector<std::uint32_t> order_;      // own index -> caller's index
+    Untouched<std::uint32_t> order_;        // own index -> caller's index
     std::vector<std::uint32_t> byId_;       // caller's indices by ascending id
     std::vector<std::uint64_t> ids_;        // in the caller's order
 };

@@ -22,10 +22,11 @@ bool before(const ContactRecord& a, const ContactRecord& b)
 } // namespace
 
 SoftIntegrator::SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(laws), contacts_(laws.pairs),
+  : settings_(settings), walls_(walls), laws_(laws), contacts_(laws.pairs, settings.threads),
     atWalls_(laws.walls, walls)
 {
     cloud_.box = settings.box;
+    cloud_.threads = settings.threads;
 }
 
 // ---------------------------------------------------------------------------------- history
@@ -103,15 +104,16 @@ void SoftIntegrator::install()
 
 void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls)
 {
-    for (LastingPair& p : pairs)
+    forElements(settings_.threads, pairs.size(), [&](std::size_t k)
     {
+        LastingPair& p = pairs[k];
         if (p.first > p.second) p = {p.second, p.first, -p.x, -p.y, -p.z};
-    }
+    });
     std::sort(walls.begin(), walls.end(), [](const LastingWall& a, const LastingWall& b)
     {
         return a.particle != b.particle ? a.particle < b.particle : a.feature < b.feature;
     });
-    contacts_.reset(cloud_.size(), pairs);
+    contacts_.reset(Chunks(cloud_.size()), pairs);
     atWalls_.reset(contacts_.chunks(), walls);
 }
 
@@ -125,8 +127,9 @@ void SoftIntegrator::load(const Particles& particles, double step)
     mean_ = cloud_.frame;
     if (!valid_) return;
     measureMotion();
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    for (std::size_t c = 0; c < contacts_.chunks().count(); ++c)
     {
+        contacts_.forgetSums(c);
         nearBuffer_.use(c, shifted, {});
         motion_[c].wallWay += shifted;
     }
@@ -135,7 +138,7 @@ void SoftIntegrator::load(const Particles& particles, double step)
 /// Forces on all particles; leaves those from other chunks and from walls to receive().
 void SoftIntegrator::evaluate(StepWeights weights)
 {
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         contacts_.evaluate(c, cloud_, weights);
         if (laws_.pairs.rolls()) contacts_.addRolling(c, cloud_, weights);
@@ -145,13 +148,16 @@ void SoftIntegrator::evaluate(StepWeights weights)
 void SoftIntegrator::receive(std::size_t chunk, StepWeights weights)
 {
     contacts_.receive(chunk, cloud_);
+    if (!atWalls_.near(chunk)) return;
+    contacts_.startSums(chunk, cloud_);
     atWalls_.evaluate(chunk, cloud_, weights);
 }
 
 /// base + sign*(h phi2 a): between base and velocity.
 void SoftIntegrator::kick(std::size_t chunk, double sign)
 {
-    for (std::size_t i = PairContacts::chunkBegin(chunk); i < contacts_.chunkEnd(chunk); ++i)
+    if (!contacts_.loaded(chunk)) return;
+    for (std::size_t i = contacts_.chunks().begin(chunk); i < contacts_.chunks().end(chunk); ++i)
     {
         Base& b = cloud_.bases[i];
         const Load& l = cloud_.loads[i];
@@ -167,7 +173,7 @@ void SoftIntegrator::start()
 {
     const StepWeights weights{0, 0.5*step_};
     evaluate(weights);
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         receive(c, weights);
         kick(c, -1);
@@ -177,14 +183,14 @@ void SoftIntegrator::start()
 /// One step of all particles, after what is left of the forces at its start.
 void SoftIntegrator::move(StepWeights weights, bool received)
 {
-    works_.resize(contacts_.chunks());
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    works_.resize(contacts_.chunks().count());
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         if (!received) receive(c, weights);
         MoveWork& w = works_[c];
-        w.begin = PairContacts::chunkBegin(c), w.end = contacts_.chunkEnd(c);
+        w.begin = contacts_.chunks().begin(c), w.end = contacts_.chunks().end(c);
         w.rows = cloud_.rows.data(), w.bases = cloud_.bases.data();
-        w.loads = cloud_.loads.data();
+        w.loads = contacts_.loaded(c) ? cloud_.loads.data() : nullptr;
         w.forcing = cloud_.forcing.empty() ? nullptr : cloud_.forcing.data();
         w.step = step_;
         for (int a = 0; a < 3; ++a)
@@ -192,13 +198,11 @@ void SoftIntegrator::move(StepWeights weights, bool received)
             w.push[a] = cloud_.push[a], w.frame[a] = mean_[a], w.ownFrame[a] = motion_[c].frame[a];
         }
         kernels().move(w);
+        contacts_.forgetSums(c);
+        follow(c, w);
     });
     Vector3 sum;
-    for (std::size_t c = 0; c < works_.size(); ++c)
-    {
-        follow(c, works_[c]);
-        sum += {works_[c].sum[0], works_[c].sum[1], works_[c].sum[2]};
-    }
+    for (const MoveWork& w : works_) sum += {w.sum[0], w.sum[1], w.sum[2]};
     if (!std::isfinite(squaredNorm(sum)))
     {
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
@@ -224,7 +228,7 @@ void SoftIntegrator::follow(std::size_t chunk, const MoveWork& work)
 void SoftIntegrator::finish()
 {
     const StepWeights weights{0.5*step_, 0};
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         receive(c, weights);
         kick(c, 1);
@@ -269,14 +273,18 @@ void SoftIntegrator::contactForces(const Particles& particles, double step, Vect
     ensureLists();
     const StepWeights weights{0.5*step, 0.5*step};
     evaluate(weights);
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { receive(c, weights); });
-    for (std::size_t i = 0; i < cloud_.size(); ++i)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
-        const Load& l = cloud_.loads[i];
-        const double r = cloud_.rows[i].radius;
-        force.set(cloud_.caller(i), {l.fx, l.fy, l.fz});
-        torque.set(cloud_.caller(i), {r*l.mx, r*l.my, r*l.mz});
-    }
+        receive(c, weights);
+        contacts_.startSums(c, cloud_);
+        for (std::size_t i = contacts_.chunks().begin(c); i < contacts_.chunks().end(c); ++i)
+        {
+            const Load& l = cloud_.loads[i];
+            const double r = cloud_.rows[i].radius;
+            force.set(cloud_.caller(i), {l.fx, l.fy, l.fz});
+            torque.set(cloud_.caller(i), {r*l.mx, r*l.my, r*l.mz});
+        }
+    });
 }
 
 std::size_t SoftIntegrator::bytes() const

@@ -51,6 +51,7 @@ private:
     void install(std::vector<LastingPair>& pairs, std::vector<LastingWall>& walls);
     void rebuild();
     void measureMotion();
+    void measureMotion(std::size_t chunk);
     void checkBox() const;
     double widestBuffer() const;
     void grantNear();
@@ -59,6 +60,7 @@ private:
     void findNeighbours();
     void refresh();
     void selectNear();
+    std::vector<std::uint32_t> nearFailing(const std::vector<std::uint32_t>& among, bool reserve) const;
     bool nearSuffices();
     void refreshWalls(std::size_t chunk);
     void ensureLists();

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace elutria::dem
@@ -84,22 +85,24 @@ void SoftIntegrator::checkBox() const
 /// Speeds and frames of the chunks as the particles are now.
 void SoftIntegrator::measureMotion()
 {
-    motion_.resize(contacts_.chunks());
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    motion_.resize(contacts_.chunks().count());
+    forEach(settings_.threads, motion_.size(), [&](std::size_t c) { measureMotion(c); });
+}
+
+void SoftIntegrator::measureMotion(std::size_t chunk)
+{
+    const std::size_t begin = contacts_.chunks().begin(chunk), end = contacts_.chunks().end(chunk);
+    ChunkMotion& m = motion_[chunk];
+    Vector3 mean;
+    double fastest2 = 0, inFrame2 = 0;
+    for (std::size_t i = begin; i < end; ++i) mean += cloud_.velocity(i);
+    m.frame = (1/double(end - begin))*mean;
+    for (std::size_t i = begin; i < end; ++i)
     {
-        const std::size_t begin = PairContacts::chunkBegin(c), end = contacts_.chunkEnd(c);
-        ChunkMotion& m = motion_[c];
-        Vector3 mean;
-        double fastest2 = 0, inFrame2 = 0;
-        for (std::size_t i = begin; i < end; ++i) mean += cloud_.velocity(i);
-        m.frame = (1/double(end - begin))*mean;
-        for (std::size_t i = begin; i < end; ++i)
-        {
-            fastest2 = std::max(fastest2, squaredNorm(cloud_.velocity(i)));
-            inFrame2 = std::max(inFrame2, squaredNorm(cloud_.velocity(i) - m.frame));
-        }
-        m.speed = std::sqrt(inFrame2), m.wallSpeed = std::sqrt(fastest2);
+        fastest2 = std::max(fastest2, squaredNorm(cloud_.velocity(i)));
+        inFrame2 = std::max(inFrame2, squaredNorm(cloud_.velocity(i) - m.frame));
     }
+    m.speed = std::sqrt(inFrame2), m.wallSpeed = std::sqrt(fastest2);
 }
 
 void SoftIntegrator::rebuild()
@@ -108,10 +111,13 @@ void SoftIntegrator::rebuild()
     std::vector<LastingWall> walls;
     if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
     checkBox();
-    const std::vector<std::uint32_t> now = cloud_.sort(2*cloud_.mean);
+    const Untouched<std::uint32_t> now = cloud_.sort(2*cloud_.mean);
     if (valid_)
     {
-        for (LastingPair& p : pairs) p.first = now[p.first], p.second = now[p.second];
+        forElements(settings_.threads, pairs.size(), [&](std::size_t k)
+        {
+            pairs[k].first = now[pairs[k].first], pairs[k].second = now[pairs[k].second];
+        });
         for (LastingWall& w : walls) w.particle = now[w.particle];
         install(pairs, walls);
     }
@@ -125,18 +131,18 @@ void SoftIntegrator::rebuild()
     grantBuffers();
     findNeighbours();
     selectNear();
-    wallMargin_.resize(contacts_.chunks());
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c) { refreshWalls(c); });
+    wallMargin_.resize(contacts_.chunks().count());
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c) { refreshWalls(c); });
 }
 
 /// Buffers for a new list.
 void SoftIntegrator::grantBuffers()
 {
-    const std::size_t chunks = contacts_.chunks();
+    const std::size_t chunks = contacts_.chunks().count();
     const bool first = listBuffer_.chunks() != chunks;
     for (VerletBuffer* buffer : {&listBuffer_, &nearBuffer_})
     {
-        buffer->resize(cloud_.size(), PairContacts::chunkSize);
+        buffer->resize(contacts_.chunks());
         for (std::size_t c = 0; first && c < chunks; ++c)
         {
             buffer->expect(c, 0.5*motion_[c].speed
@@ -151,7 +157,7 @@ void SoftIntegrator::grantBuffers()
         if (equal) listBuffer_.grant(c, cloud_, most);
         else listBuffer_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearBuffer_);
     });
-    neighbours_ = chunkNeighbours(cloud_, PairContacts::chunkSize, 6*most);
+    neighbours_ = chunkNeighbours(cloud_, contacts_.chunks(), 6*most);
     sinceList_ = 0;
 }
 
@@ -159,7 +165,7 @@ void SoftIntegrator::grantNear()
 {
     constexpr double least = 8;      // sub-steps of the fastest particle
     const double interval = nearInterval(), most = 0.5*widestBuffer();
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         const ChunkMotion& m = motion_[c];
         nearBuffer_.grant(c, cloud_, m.frame, interval, least*m.speed*step_, most);
@@ -169,13 +175,19 @@ void SoftIntegrator::grantNear()
 
 void SoftIntegrator::findNeighbours()
 {
-    std::vector<double> reach(cloud_.size());
-    double widest = 0;
-    for (std::size_t i = 0; i < cloud_.size(); ++i)
+    Untouched<double> reach(cloud_.size());
+    const auto sums = forBlocks(settings_.threads, reach.size(),
+                                [&](std::size_t begin, std::size_t end)
     {
-        reach[i] = cloud_.rows[i].radius + listBuffer_.of(i);
-        widest += listBuffer_.of(i)/double(cloud_.size());
-    }
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i)
+        {
+            reach[i] = cloud_.rows[i].radius + listBuffer_.of(i);
+            sum += listBuffer_.of(i);
+        }
+        return sum;
+    });
+    const double widest = std::accumulate(sums.begin(), sums.end(), 0.0)/double(cloud_.size());
     const Row* rows = cloud_.rows.data();
     const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
                           sizeof(Row)/sizeof(double)};
@@ -188,7 +200,7 @@ void SoftIntegrator::findNeighbours()
 
 void SoftIntegrator::selectNear()
 {
-    forEach(settings_.threads, contacts_.chunks(), [&](std::size_t c)
+    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
     {
         contacts_.refresh(c, cloud_, list_, nearBuffer_);
     });
@@ -198,41 +210,64 @@ void SoftIntegrator::selectNear()
 /// New near pairs, and a new list if this one leaves no room for them.
 void SoftIntegrator::refresh()
 {
-    const std::size_t chunks = contacts_.chunks();
+    const std::size_t chunks = contacts_.chunks().count();
     forEach(settings_.threads, chunks, [&](std::size_t c) { nearBuffer_.measure(c, cloud_); });
-    for (std::size_t c = 0; c < chunks; ++c) nearBuffer_.learn(c, sinceNear_, neighbours_);
+    forEach(settings_.threads, chunks,
+            [&](std::size_t c) { nearBuffer_.learn(c, sinceNear_, neighbours_); });
     measureMotion();
     grantNear();
     forEach(settings_.threads, chunks,
             [&](std::size_t c) { listBuffer_.measure(c, cloud_, &nearBuffer_); });
-    bool enough = listBuffer_.farthest() < 2*widestBuffer();
-    for (std::size_t c = 0; enough && c < chunks; ++c) enough = listBuffer_.suffices(c, neighbours_);
-    if (enough) return selectNear();
-    for (std::size_t c = 0; c < chunks; ++c) listBuffer_.learn(c, sinceList_, neighbours_);
+    if (listBuffer_.suffices(neighbours_, 2*widestBuffer())) return selectNear();
+    forEach(settings_.threads, chunks,
+            [&](std::size_t c) { listBuffer_.learn(c, sinceList_, neighbours_); });
     rebuild();
 }
 
 void SoftIntegrator::refreshWalls(std::size_t chunk)
 {
     const double margin = std::max(0.25*cloud_.mean, 8*motion_[chunk].wallSpeed*step_);
-    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, PairContacts::chunkBegin(chunk),
-                                          contacts_.chunkEnd(chunk), margin);
+    wallMargin_[chunk] = atWalls_.refresh(chunk, cloud_, contacts_.chunks().begin(chunk),
+                                          contacts_.chunks().end(chunk), margin);
     motion_[chunk].wallWay = 0;
+}
+
+/// The chunks whose near buffers may be consumed, or may be in the next step with `reserve`.
+std::vector<std::uint32_t> SoftIntegrator::nearFailing(const std::vector<std::uint32_t>& among,
+                                                       bool reserve) const
+{
+    std::vector<std::uint32_t> failing;
+    for (const std::uint32_t c : among)
+    {
+        if (!nearBuffer_.suffices(c, neighbours_, reserve ? motion_[c].speed*step_ : 0))
+            failing.push_back(c);
+    }
+    return failing;
 }
 
 /// True if the near pairs hold every pair that can touch; measures where the bounds do not suffice.
 bool SoftIntegrator::nearSuffices()
 {
-    if (nearBuffer_.farthest() > 2*widestBuffer()) return false;
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    const double most = 2*widestBuffer();
+    if (nearBuffer_.suffices(neighbours_, most)) return true;
+    if (nearBuffer_.farthest() > most) return false;
+    std::vector<std::uint32_t> chunks(motion_.size());
+    std::iota(chunks.begin(), chunks.end(), 0u);
+    const auto measure = [&](const std::vector<std::uint32_t>& which)
     {
-        if (nearBuffer_.suffices(c, neighbours_)) continue;
-        nearBuffer_.measure(c, cloud_);
-        if (nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) continue;
-        for (std::uint32_t n : neighbours_[c]) nearBuffer_.measure(n, cloud_);
-        if (!nearBuffer_.suffices(c, neighbours_, motion_[c].speed*step_)) return false;
-    }
-    return true;
+        forEach(settings_.threads, which.size(),
+                [&](std::size_t k) { nearBuffer_.measure(which[k], cloud_); });
+    };
+    chunks = nearFailing(chunks, false);
+    measure(chunks);
+    chunks = nearFailing(chunks, true);
+    std::vector<std::uint32_t> around;
+    for (const std::uint32_t c : chunks)
+        around.insert(around.end(), neighbours_[c].begin(), neighbours_[c].end());
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    measure(around);
+    return nearFailing(chunks, true).empty();
 }
 
 /// Refreshes or rebuilds lists that could miss a pair after the displacements so far.
@@ -240,10 +275,12 @@ void SoftIntegrator::ensureLists()
 {
     if (!valid_ || searchesEveryStep()) return rebuild();
     if (!nearSuffices()) refresh();
-    for (std::size_t c = 0; c < contacts_.chunks(); ++c)
+    std::vector<std::uint32_t> nearWalls;
+    for (std::uint32_t c = 0; c < motion_.size(); ++c)
     {
-        if (!(motion_[c].wallWay < wallMargin_[c])) refreshWalls(c);
+        if (!(motion_[c].wallWay < wallMargin_[c])) nearWalls.push_back(c);
     }
+    forEach(settings_.threads, nearWalls.size(), [&](std::size_t k) { refreshWalls(nearWalls[k]); });
 }
 
 } // namespace elutria::dem

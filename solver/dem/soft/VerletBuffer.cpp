@@ -1,23 +1,24 @@
 #include "soft/VerletBuffer.hpp"
 
+#include "core/forEach.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace elutria::dem
 {
 
-ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach)
+ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, const Chunks& chunks, double reach)
 {
     struct Extent
     {
         Vector3 middle, half;
     };
-    const std::size_t count = (cloud.size() + chunkSize - 1)/chunkSize;
-    std::vector<Extent> extents(count);
-    for (std::size_t c = 0; c < count; ++c)
+    std::vector<Extent> extents(chunks.count());
+    forEach(cloud.threads, chunks.count(), [&](std::size_t c)
     {
         Vector3 low{1e300, 1e300, 1e300}, high = -low;
-        for (std::size_t i = c*chunkSize; i < std::min(cloud.size(), (c + 1)*chunkSize); ++i)
+        for (std::size_t i = chunks.begin(c); i < chunks.end(c); ++i)
         {
             const Vector3 x = cloud.position(i);
             const double r = cloud.rows[i].radius;
@@ -27,31 +28,29 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, d
             }
         }
         extents[c] = {0.5*(low + high), 0.5*(high - low)};
-    }
-    ChunkNeighbours neighbours(count);
-    for (std::uint32_t c = 0; c < count; ++c)
+    });
+    ChunkNeighbours neighbours(chunks.count());
+    forEach(cloud.threads, chunks.count(), [&](std::size_t c)
     {
-        for (std::uint32_t d = 0; d < c; ++d)
+        for (std::uint32_t d = 0; d < chunks.count(); ++d)
         {
             const Vector3 apart = cloud.box.shortest(extents[c].middle - extents[d].middle);
-            bool near = true;
+            bool near = d != c;
             for (int a = 0; a < 3; ++a)
             {
                 near = near && std::abs(apart[a]) < extents[c].half[a] + extents[d].half[a] + reach;
             }
-            if (!near) continue;
-            neighbours[c].push_back(d);
-            neighbours[d].push_back(c);
+            if (near) neighbours[c].push_back(d);
         }
-    }
+    });
     return neighbours;
 }
 
-void VerletBuffer::resize(std::size_t particles, std::size_t chunkSize)
+void VerletBuffer::resize(const Chunks& chunks)
 {
-    chunkSize_ = chunkSize;
-    chunks_.resize((particles + chunkSize - 1)/chunkSize);
-    anchors_.resize(particles);
+    runs_ = chunks;
+    chunks_.resize(chunks.count());
+    anchors_.resize(chunks.particles());
 }
 
 void VerletBuffer::expect(std::size_t c, double rate)
@@ -175,6 +174,30 @@ double VerletBuffer::farthest() const
         most = std::max(most, chunk.way + norm(chunk.shift - chunks_[0].shift));
     }
     return 2*most;
+}
+
+/// True only if all suffice: without a look at pairs of chunks.
+bool VerletBuffer::surelySuffices(double most) const
+{
+    Vector3 middle;
+    for (const Chunk& chunk : chunks_) middle += chunk.shift;
+    middle *= 1/double(chunks_.size());
+    const double first = norm(chunks_[0].shift - middle);
+    bool enough = true;
+    for (const Chunk& chunk : chunks_)
+    {
+        const double apart = norm(chunk.shift - middle);
+        enough = enough && chunk.left >= apart && 2*(chunk.way + apart + first) < most;
+    }
+    return enough;
+}
+
+bool VerletBuffer::suffices(const ChunkNeighbours& neighbours, double most) const
+{
+    if (surelySuffices(most)) return true;
+    bool enough = farthest() < most;
+    for (std::size_t c = 0; enough && c < chunks_.size(); ++c) enough = suffices(c, neighbours);
+    return enough;
 }
 
 std::size_t VerletBuffer::bytes() const

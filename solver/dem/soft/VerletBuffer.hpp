@@ -1,6 +1,7 @@
 #pragma once
 
 #include "neighbours/PairSearch.hpp"
+#include "soft/Chunks.hpp"
 #include "soft/SoftCloud.hpp"
 
 #include <vector>
@@ -20,7 +21,7 @@ struct ChunkMotion
 using ChunkNeighbours = std::vector<std::vector<std::uint32_t>>;
 
 /// Neighbours are chunks whose boxes around all surfaces are nearer than `reach`, m.
-ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, std::size_t chunkSize, double reach);
+ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, const Chunks& chunks, double reach);
 
 /// Verlet buffer of a neighbour list, particle by particle, and what is left of it.
 ///
@@ -36,7 +37,7 @@ public:
     /// Forgets the adapted margins.
     void forget() { chunks_.clear(), anchors_.clear(); }
 
-    void resize(std::size_t particles, std::size_t chunkSize);
+    void resize(const Chunks& chunks);
     std::size_t chunks() const { return chunks_.size(); }
 
     /// First guess of the speed by which a chunk's margin grows, m/s.
@@ -62,6 +63,8 @@ public:
     /// False if pairs of the chunk with its neighbours may have come closer by more than their
     /// buffers less `reserve`, m.
     bool suffices(std::size_t chunk, const ChunkNeighbours& neighbours, double reserve = 0) const;
+    /// True if all chunks suffice and no two particles may have come closer by `most`, m.
+    bool suffices(const ChunkNeighbours& neighbours, double most) const;
     /// Bound of the approach of any two particles, m.
     double farthest() const;
 
@@ -84,16 +87,14 @@ private:
         double rounding = 0;             // m, of the anchors
     };
 
+    bool surelySuffices(double most) const;
     void anchor(std::size_t chunk, const SoftCloud& cloud);
-    std::size_t begin(std::size_t c) const { return c*chunkSize_; }
-    std::size_t end(std::size_t c) const
-    {
-        return std::min(anchors_.size(), (c + 1)*chunkSize_);
-    }
+    std::size_t begin(std::size_t c) const { return runs_.begin(c); }
+    std::size_t end(std::size_t c) const { return runs_.end(c); }
 
+    Chunks runs_;
     std::vector<Chunk> chunks_;
-    std::vector<Anchor> anchors_;
-    std::size_t chunkSize_ = 1;
+    Untouched<Anchor> anchors_;
 };
 
 } // namespace elutria::dem

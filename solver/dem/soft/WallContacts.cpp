@@ -1,7 +1,5 @@
 #include "soft/WallContacts.hpp"
 
-#include "soft/PairContacts.hpp"
-
 #include <algorithm>
 
 namespace elutria::dem
@@ -9,13 +7,13 @@ namespace elutria::dem
 
 WallContacts::WallContacts(const LawTable& laws, const Walls& walls) : laws_(laws), walls_(walls) {}
 
-void WallContacts::reset(std::size_t chunks, const std::vector<LastingWall>& lasting)
+void WallContacts::reset(const Chunks& chunks, const std::vector<LastingWall>& lasting)
 {
-    chunks_.resize(chunks);
+    chunks_.resize(chunks.count());
     for (Chunk& chunk : chunks_) chunk.count = 0;
     for (const LastingWall& l : lasting)
     {
-        Chunk& chunk = chunks_[l.particle/PairContacts::chunkSize];
+        Chunk& chunk = chunks_[chunks.of(l.particle)];
         if (chunk.count == 0 || chunk.current[chunk.count - 1].particle != l.particle)
         {
             if (chunk.current.size() <= chunk.count) chunk.current.emplace_back();

@@ -2,6 +2,7 @@
 
 #include "laws/ContactForce.hpp"
 #include "laws/LawTable.hpp"
+#include "soft/Chunks.hpp"
 #include "soft/SoftCloud.hpp"
 #include "walls/Walls.hpp"
 
@@ -27,12 +28,15 @@ public:
     WallContacts(const LawTable& laws, const Walls& walls);
 
     /// Forgets everything and takes these contacts, ascending by particle.
-    void reset(std::size_t chunks, const std::vector<LastingWall>& lasting);
+    void reset(const Chunks& chunks, const std::vector<LastingWall>& lasting);
 
     /// Collects what particles [begin, end) may touch before one of them has moved by `margin`.
     /// Returns the way it holds for: the margin, or more where no wall is near.
     double refresh(std::size_t chunk, const SoftCloud& cloud, std::size_t begin, std::size_t end,
                    double margin);
+
+    /// True if walls are near particles of the chunk.
+    bool near(std::size_t chunk) const { return chunks_[chunk].count > 0; }
 
     /// Adds the forces of the walls to the loads of a chunk's particles.
     void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights);

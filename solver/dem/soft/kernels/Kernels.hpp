@@ -35,6 +35,15 @@ struct alignas(64) Load
     double mx, my, mz, unused2;
 };
 
+/// Zeros for the particles of a chunk whose loads do not hold sums yet: where nothing touches, loads
+/// are neither written nor read.
+ELUTRIA_INLINE void startSums(Load* loads, std::size_t begin, std::size_t end, bool& loaded)
+{
+    if (loaded) return;
+    for (std::size_t i = begin; i < end; ++i) loads[i] = {};
+    loaded = true;
+}
+
 /// Linear forcing by the gas, prepared for one step length.
 struct alignas(64) Forcing
 {
@@ -64,8 +73,11 @@ struct PairWork
     const Row* rows;
     ContactArrays contacts;
     std::size_t inside;                     // contacts before this one have both partners here
+    std::size_t begin, end;                 // the chunk's particles
     Load* loads;
+    bool loaded;                            // in, out: their loads hold sums; if not, what memory holds
     Contribution* across;                   // of the others, for the second partner
+    bool acrossActs;                        // out: one of these is not zero
     double length[3], inverseLength[3];     // periodic box, 0 where not periodic
     double before, after;                   // s, half steps
     const laws::CoefficientsOf<float>* coefficients;   // of material pairs
@@ -82,7 +94,7 @@ struct MoveWork
     std::size_t begin, end;
     Row* rows;
     Base* bases;
-    Load* loads;                            // read, then cleared
+    const Load* loads;                      // null: none
     const Forcing* forcing;                 // null: no drag, `push` for all
     double push[3], step;
     double frame[3];                        // common motion, taken off in the rows, m/s

@@ -155,13 +155,13 @@ ELUTRIA_INLINE void lookUp(const PairWork& w, std::size_t start, std::size_t cou
 
 template<class Law>
 ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, float& largest,
-                           float& changes)
+                           float& changes, float& acts)
 {
     float* __restrict displacementX = w.contacts.displacementX + start;
     float* __restrict displacementY = w.contacts.displacementY + start;
     float* __restrict displacementZ = w.contacts.displacementZ + start;
     const float before = float(w.before), after = float(w.after);
-    float deepest = largest, events = 0;
+    float deepest = largest, events = 0, most = 0;
 #pragma GCC ivdep
     for (std::size_t k = 0; k < contactBlock; ++k)
     {
@@ -210,11 +210,13 @@ ELUTRIA_INLINE void forces(const PairWork& w, std::size_t start, Staging& s, flo
         const float change = (touches ? 1.0f : 0.0f) != was ? 1.0f : 0.0f;
         s.changed[k] = change;
         events = change > events ? change : events;
+        most = active > most ? active : most;
         const float depth = overlap*s.relative[7][k]*0.5f;
         deepest = depth > deepest ? depth : deepest;
     }
     largest = deepest;
     changes = events;
+    acts = most;
 }
 
 ELUTRIA_INLINE void scatter(const PairWork& w, std::size_t start, std::size_t count,
@@ -240,6 +242,14 @@ ELUTRIA_INLINE void scatter(const PairWork& w, std::size_t start, std::size_t co
     }
 }
 
+/// What scatter() does where no contact of the block acts.
+ELUTRIA_INLINE void scatterNothing(const PairWork& w, std::size_t start, std::size_t count)
+{
+    const std::size_t inside = w.inside < start ? 0 : w.inside - start;
+    for (std::size_t k = inside; k < count; ++k)
+        *reinterpret_cast<Float8*>(w.across + (start + k - w.inside)) = Float8{};
+}
+
 template<class Law>
 void pairForces(PairWork& w)
 {
@@ -256,8 +266,13 @@ void pairForces(PairWork& w)
         stage(w, start, count, s);
         measure(w, s);
         if (w.material != nullptr && start > 0) lookUp(w, start, count, s);
-        float changes;
-        forces<Law>(w, start, s, largest, changes);
+        float changes, acts;
+        forces<Law>(w, start, s, largest, changes, acts);
+        if (!(changes > 0 || acts > 0))
+        {
+            scatterNothing(w, start, count);
+            continue;
+        }
         collect(s);
         if (changes > 0)
         {
@@ -270,6 +285,8 @@ void pairForces(PairWork& w)
                 }
             }
         }
+        startSums(w.loads, w.begin, w.end, w.loaded);
+        w.acrossActs = w.acrossActs || start + count > w.inside;
         scatter(w, start, count, s);
     }
     w.largestOverlap = largest;
@@ -286,7 +303,7 @@ ELUTRIA_INLINE Float4 keepLast(Float4 a, Float4 b)
 }
 
 /// One step of every particle in the range; see SoftIntegrator for the scheme.
-template<bool drag>
+template<bool drag, bool loaded>
 ELUTRIA_INLINE void moveRange(MoveWork& w)
 {
     const Double4 frame = {w.frame[0], w.frame[1], w.frame[2], 0};
@@ -298,7 +315,6 @@ ELUTRIA_INLINE void moveRange(MoveWork& w)
     const Double4 shift = {w.step*w.ownFrame[0], w.step*w.ownFrame[1], w.step*w.ownFrame[2], 0};
     for (std::size_t i = w.begin; i < w.end; ++i)
     {
-        Load& load = w.loads[i];
         Base& base = w.bases[i];
         Row& row = w.rows[i];
         if (drag)
@@ -308,14 +324,15 @@ ELUTRIA_INLINE void moveRange(MoveWork& w)
             first = f.first, second = f.second, decay = f.decay;
         }
         const double inverse = base.inverseMass;
-        Double4& force = *reinterpret_cast<Double4*>(&load.fx);
-        Double4& moment = *reinterpret_cast<Double4*>(&load.mx);
         Double4& velocity = *reinterpret_cast<Double4*>(&base.vx);
         Double4& surface = *reinterpret_cast<Double4*>(&base.sx);
         Double4& position = *reinterpret_cast<Double4*>(&row.x);
-        const Double4 contact = inverse*force;
-        const Double4 turn = (2.5*inverse)*moment;
-        force = Double4{}, moment = Double4{};
+        Double4 contact = {}, turn = {};
+        if (loaded)
+        {
+            contact = inverse**reinterpret_cast<const Double4*>(&w.loads[i].fx);
+            turn = (2.5*inverse)**reinterpret_cast<const Double4*>(&w.loads[i].mx);
+        }
         const Double4 v = velocity*vectorOnly + second*contact;
         const Double4 total = push + contact;
         const Double4 moved = first*v + (w.step*second)*total;
@@ -344,8 +361,8 @@ ELUTRIA_INLINE void moveRange(MoveWork& w)
 
 void move(MoveWork& w)
 {
-    if (w.forcing != nullptr) moveRange<true>(w);
-    else moveRange<false>(w);
+    if (w.loads != nullptr) w.forcing != nullptr ? moveRange<true, true>(w) : moveRange<false, true>(w);
+    else w.forcing != nullptr ? moveRange<true, false>(w) : moveRange<false, false>(w);
 }
 
 template<class... Laws>

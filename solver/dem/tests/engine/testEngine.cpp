@@ -121,18 +121,39 @@ TEST_SUITE("engine")
 {
     TEST_CASE("the same bits for any number of threads")
     {
-        Heap reference(4200);
-        Engine one = reference.engine();
-        for (int k = 0; k < 2; ++k) one.advance(reference.particles, 5e-4);
-        for (unsigned threads : {2u, 3u})
+        // enough for every loop to be shared; a narrow buffer, so that lists are made anew
+        const auto heapOn = [](unsigned threads)
         {
-            Heap heap(4200);
+            Heap heap(9000);
             heap.settings.threads = threads;
+            heap.settings.skin = 0.02*heap.particles.radius[0];
+            return heap;
+        };
+        Heap reference = heapOn(1);
+        Engine one = reference.engine();
+        std::size_t lists = 0;
+        for (int k = 0; k < 2; ++k) lists += one.advance(reference.particles, 5e-4).listBuilds;
+        CHECK(lists > 2);
+        const std::vector<ContactRecord> contacts = one.exportContacts();
+        CHECK(contacts.size() > 100);
+        for (unsigned threads : {2u, 3u, 4u})
+        {
+            Heap heap = heapOn(threads);
             Engine engine = heap.engine();
             for (int k = 0; k < 2; ++k) engine.advance(heap.particles, 5e-4);
             CHECK(same(heap.particles.position, reference.particles.position));
             CHECK(same(heap.particles.velocity, reference.particles.velocity));
             CHECK(same(heap.particles.spin, reference.particles.spin));
+            const std::vector<ContactRecord> theirs = engine.exportContacts();
+            REQUIRE(theirs.size() == contacts.size());
+            bool equal = true;
+            for (std::size_t k = 0; k < contacts.size(); ++k)
+            {
+                const Vector3 apart = theirs[k].tangential - contacts[k].tangential;
+                equal = equal && theirs[k].first == contacts[k].first
+                        && theirs[k].second == contacts[k].second && squaredNorm(apart) == 0;
+            }
+            CHECK(equal);
         }
     }
 

@@ -81,6 +81,22 @@ TEST_SUITE("search")
         }
     }
 
+    TEST_CASE("threads share the search of many spheres of two sizes and find the pairs of brute force")
+    {
+        RandomCloud cloud(9000, 1, 5);
+        for (std::size_t i = 0; i < cloud.radius.size(); ++i) cloud.radius[i] = i % 9 ? 0.005 : 0.02;
+        const PeriodicBox box{{0, 0, 0}, {1, 1, 1}, {true, false, true}};
+        const Spheres spheres = cloud.spheres(0.004);
+        const std::vector<Pair> expected = findPairs(spheres, box, NeighbourSearch::bruteForce);
+        CHECK(expected.size() > 1000);
+        for (unsigned threads : {1u, 2u, 4u})
+        {
+            PairList list;
+            PairSearch().find(spheres, box, NeighbourSearch::hierarchical, 1, threads, list);
+            CHECK(list.pairs() == expected);
+        }
+    }
+
     TEST_CASE("spheres in one place, on cell faces, in a plane and on a line")
     {
         const std::size_t n = 60;
