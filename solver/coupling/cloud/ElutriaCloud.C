@@ -138,7 +138,8 @@ ElutriaCloud::ElutriaCloud
     coupling_(*this, kernel_, stockMotion_),
     tracking_
     (
-        *this, coupling_, solids_, contacts_, sampling_.hasInertialDispersion()
+        *this, coupling_, solids_, contacts_, entry_.recorder(),
+        sampling_.hasInertialDispersion()
     ),
     retakes_(0)
 {
@@ -244,11 +245,12 @@ void ElutriaCloud::drop()
 const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
 {
     solids_.clear();
+    parcels_.startSearch();
     for (const StockParcel& p : *this)
     {
         solids_.add
         (
-            p.cell(), p.position(), p.nParticle()*p.volume(), p.d()
+            p.cell(), parcels_.place(p), p.nParticle()*p.volume(), p.d()
         );
     }
     return solids_.finish(maximum);
@@ -257,6 +259,7 @@ const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
 
 void ElutriaCloud::writeState()
 {
+    catchUp();
     entry_.writeState();
     if (contacts_)
     {

@@ -209,7 +209,7 @@ void FeedEntry::enter(StepParcels& step)
         injection_->setParcel(entering[k], *parcel);
         cloud_.checkParcelProperties(*parcel, dt, true);
         cloud_.addParticle(parcel);
-        step.ends.push_back({parcelName(*parcel), positions[k]});
+        step.ends.push_back({parcelName(*parcel), positions[k], true});
         countArrival(*parcel);
     }
 }

@@ -105,6 +105,7 @@ void GasSampling::disperse
 (
     StockParcel& p,
     StockTracking& td,
+    const point& place,
     const scalar effectiveMass,
     const scalar dt
 )
@@ -120,7 +121,7 @@ void GasSampling::disperse
 
         inertialDispersion_->relaxationTime = effectiveMass/dragRate;
         inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
-        inertialDispersion_->offset = p.position() - mesh().C()[p.cell()];
+        inertialDispersion_->offset = place - mesh().C()[p.cell()];
     }
     p.calcDispersion(cloud_, td, dt);
 }
@@ -141,7 +142,11 @@ void GasSampling::sample
     step.share[i] = 1 - p.stepFraction();
     const scalar dt = step.share[i]*whole;
 
-    step.starts[i] = p.position();
+    step.start(i, p);
+    if (planar_)
+    {
+        step.starts[i] = p.position();
+    }
     p.setCellValues(cloud_, td);
     const scalar effectiveMass = forces.massEff(p, td, mass);
     step.effectiveMass[i] = effectiveMass;
@@ -149,7 +154,7 @@ void GasSampling::sample
     seedRandom(p);
     if (dispersing_)
     {
-        disperse(p, td, effectiveMass, dt);
+        disperse(p, td, step.starts[i], effectiveMass, dt);
     }
     seeUndisturbedGas(p, td, dt);
 
@@ -180,16 +185,7 @@ void GasSampling::sample
     all.mass[i] = mass;
     all.statisticalWeight[i] = p.nParticle();
     all.dragRate[i] = rate;
-    const bool planar = mesh().nSolutionD() < 3;    // kept in its plane
-    all.position.set
-    (
-        i,
-        toEngine
-        (
-            planar ? step.starts[i]
-          : step.exact(all.id[i], step.starts[i], p.d())
-        )
-    );
+    all.position.set(i, toEngine(step.starts[i]));
     all.velocity.set(i, toEngine(startVelocity));
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
@@ -310,6 +306,7 @@ GasSampling::GasSampling
     feed_(feed),
     contacts_(contacts),
     inertialDispersion_(dynamic_cast<InertialDispersion*>(&cloud.dispersion())),
+    planar_(cloud.mesh().nSolutionD() < 3),
     undisturbed_(readCorrection(cloud.particleProperties())),
     disturbanceAge_(readDisturbanceAge()),
     dispersing_(false),

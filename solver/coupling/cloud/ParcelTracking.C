@@ -10,6 +10,7 @@
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "parallel/ParcelTransfer.H"
+#include "laws/DragLaws.hpp"
 #include "meshTools.H"
 #include "profiling.H"
 
@@ -20,57 +21,122 @@ namespace Foam
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-List<ParcelTracking::Flight> ParcelTracking::flights
+bool ParcelTracking::onlyCellsMatter() const
+{
+    static const wordHashSet withoutPlace
+    ({
+        "gravity", "sphereDrag", "nonSphereDrag"
+    });
+    for (const auto& force : cloud_.forces())
+    {
+        if
+        (
+            !withoutPlace.found(force.type())
+         && !elutria::laws::findDragLaw(force.type())
+        )
+        {
+            return false;
+        }
+    }
+    const dictionary& schemes = cloud_.solution().interpolationSchemes();
+    for (const auto* field : {&cloud_.rho(), &cloud_.mu()})
+    {
+        if (schemes.get<word>(field->name()) != "cell")
+        {
+            return false;
+        }
+    }
+    return
+        schemes.get<word>(cloud_.U().name()) == "cell"
+     && cloud_.functions().size() == (recorder_ ? 1 : 0)
+     && cloud_.time().controlDict().subOrEmptyDict("functions").empty()
+     && mesh().nSolutionD() == 3;
+}
+
+
+ParcelTracking::Flight ParcelTracking::flight
 (
+    StockParcel& p,
     const StepParcels& step,
+    const size_t i,
     const scalar dt
-)
+) const
 {
     const elutria::dem::Particles& all = step.particles;
-    const elutria::dem::PeriodicBox box =
-        contacts_ ? contacts_->engine().settings().box
-      : elutria::dem::PeriodicBox();
+    Flight f;
+    f.from = step.starts[i];
+    f.displacement = toFoam(box_.shortest(all.position[i] - toEngine(f.from)));
+    f.start = p.U();
+    f.end = toFoam(all.velocity[i]);
+    f.spin = toFoam(all.spin[i]);
+    f.impulse = step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
+    f.dragRate = all.dragRate[i];
+    f.target = toFoam(all.position[i]);
+    f.age = p.age() - p.stepFraction()*dt;
 
-    List<Flight> flights(step.starts.size());
-    size_t i = 0;
-    for (StockParcel& p : cloud_)
+    // What neither drag nor other forces did, contacts did
+    turnFluctuation
+    (
+        p,
+        f.end - f.start - dt*toFoam(all.acceleration[i])
+      - toFoam(all.dragImpulse[i])/all.mass[i]
+    );
+
+    if (planar_)
     {
-        Flight& f = flights[i];
-        f.from = step.starts[i];
-        f.displacement = toFoam
-        (
-            box.shortest(all.position[i] - toEngine(f.from))
-        );
-        f.start = p.U();
-        f.end = toFoam(all.velocity[i]);
-        f.spin = toFoam(all.spin[i]);
-        f.impulse =
-            step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
-        f.dragRate = all.dragRate[i];
-        f.target = toFoam(all.position[i]);
-        f.age = p.age() - p.stepFraction()*dt;
-
-        // What neither drag nor other forces did, contacts did
-        turnFluctuation
-        (
-            p,
-            f.end - f.start - dt*toFoam(all.acceleration[i])
-          - toFoam(all.dragImpulse[i])/all.mass[i]
-        );
-
         meshTools::constrainDirection
         (
             mesh(), mesh().solutionD(), f.displacement
         );
         meshTools::constrainDirection(mesh(), mesh().solutionD(), f.end);
+    }
 
-        // As if it had come all the step's way
-        const scalar share = step.share[i];
+    // As if it had come all the step's way
+    const scalar share = step.share[i];
+    if (share < 1)
+    {
         f.displacement /= share;
         f.start = f.end - (f.end - f.start)/share;
-        ++i;
     }
-    return flights;
+    return f;
+}
+
+
+bool ParcelTracking::passCells
+(
+    StockParcel& p,
+    const Flight& flight,
+    const scalar dt
+)
+{
+    if (!cells_ || p.stepFraction() > 0 || !p.active())
+    {
+        return false;
+    }
+    const label celli = cells_->follow
+    (
+        p.cell(), flight.from, flight.from + flight.displacement
+    );
+    if (celli < 0)
+    {
+        return false;
+    }
+    p.cell() = celli;
+    p.stepFraction() = 1;
+    p.age() = flight.age + dt;
+    if (recorder_)
+    {
+        recorder_->pass(p, flight.from, flight.target, dt);
+    }
+    finish(p, flight);
+    return true;
+}
+
+
+void ParcelTracking::finish(StockParcel& p, const Flight& flight)
+{
+    p.U() = flight.end;
+    p.angularMomentum() = p.momentOfInertia()*flight.spin;
 }
 
 
@@ -222,8 +288,7 @@ void ParcelTracking::trackParcel
         {
             callPostMove(cloud_.functions(), p, 0, known, td);
         }
-        p.U() = flight.end;
-        p.angularMomentum() = p.momentOfInertia()*flight.spin;
+        finish(p, flight);
     }
 }
 
@@ -236,6 +301,7 @@ ParcelTracking::ParcelTracking
     GasCoupling& coupling,
     SolidFraction& solids,
     const CloudContacts* contacts,
+    FeedEntry::Recorder* recorder,
     const bool inertialDispersion
 )
 :
@@ -243,12 +309,39 @@ ParcelTracking::ParcelTracking
     coupling_(coupling),
     solids_(solids),
     contacts_(contacts),
+    planar_(cloud.mesh().nSolutionD() < 3),
+    box_
+    (
+        contacts ? contacts->engine().settings().box
+      : elutria::dem::PeriodicBox()
+    ),
+    recorder_(recorder),
+    cells_(onlyCellsMatter() ? new PlaneCells(cloud.mesh()) : nullptr),
     inertialDispersion_(inertialDispersion),
     goneThrough_(cloud.mesh().boundaryMesh().size(), Zero)
 {}
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ParcelTracking::catchUp(StepParcels& step)
+{
+    if (!cells_)
+    {
+        return;
+    }
+    step.startSearch();
+    for (StockParcel& p : cloud_)
+    {
+        StepParcels::End* end = step.next(p);
+        if (end && !end->tracked)
+        {
+            p.relocate(end->position, p.cell());
+            end->tracked = true;
+        }
+    }
+}
+
 
 labelList ParcelTracking::goneThrough() const
 {
@@ -281,7 +374,7 @@ void ParcelTracking::keep
     step.ends.clear();
     for (const Arrived& a : arrived)
     {
-        step.ends.push_back({parcelName(*a.parcel), a.target});
+        step.ends.push_back({parcelName(*a.parcel), a.target, a.tracked});
         cloud_.addParticle(a.parcel);
     }
 }
@@ -296,22 +389,35 @@ void ParcelTracking::track
 {
     addProfiling(tracking, "elutria::tracking");
 
-    // Parcels still to be tracked, with their flights: first all of the
-    // cloud's, then those that arrive from other processors
-    List<Flight> flightOf(flights(step, dt));
+    // Parcels still to be tracked: first all of the cloud's, then those that
+    // arrive from other processors, with their flights
     IDLList<StockParcel> moving;
     moving.transfer(cloud_);
+    List<Flight> flights;
+    bool first = true;
     std::vector<Arrived> arrived;
-    arrived.reserve(flightOf.size());
+    arrived.reserve(step.starts.size());
 
     ParcelTransfer<StockParcel, Flight> transfer(mesh());
 
     do
     {
-        label k = 0;
+        label k = -1;
         for (StockParcel& p : moving)
         {
-            Flight& flight = flightOf[k++];
+            ++k;
+            Flight flight(first ? this->flight(p, step, k, dt) : flights[k]);
+            if (first && passCells(p, flight, dt))
+            {
+                deposit(p, flight);
+                coupling_.keep(flight.dragRate);
+                arrived.push_back({moving.remove(&p), flight.target, false});
+                continue;
+            }
+            if (first && !step.tracked[k])
+            {
+                p.relocate(flight.from, p.cell());
+            }
             trackParcel(p, flight, td, dt);
 
             if (!td.keepParticle)
@@ -335,10 +441,11 @@ void ParcelTracking::track
             {
                 deposit(p, flight);
                 coupling_.keep(flight.dragRate);
-                arrived.push_back({moving.remove(&p), flight.target});
+                arrived.push_back({moving.remove(&p), flight.target, true});
             }
         }
-    } while (transfer.exchange(moving, flightOf, td));
+        first = false;
+    } while (transfer.exchange(moving, flights, td));
     keep(arrived, step);
 }
 
