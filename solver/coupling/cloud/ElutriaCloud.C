@@ -10,12 +10,15 @@
 #include "cloud/exactPlaces.H"
 #include "cloud/stockRecords.H"
 #include "contacts/ContactHistory.H"
+#include "contacts/SymmetryWalls.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
 #include "impacts/Flight.hpp"
 #include "NoCollision.H"
 #include "profiling.H"
 #include "sigFpe.H"
+
+#include <algorithm>
 
 namespace Foam
 {
@@ -30,7 +33,11 @@ CloudContacts* ElutriaCloud::findContacts()
     if (contacts)
     {
         refuseWithContacts(particleProperties(), mesh());
-        contacts->addSymmetryWalls();
+        const polyBoundaryMesh& patches = mesh().boundaryMesh();
+        if (std::any_of(patches.begin(), patches.end(), isSymmetry))
+        {
+            contacts->addSymmetryWalls();
+        }
     }
     return contacts;
 }
@@ -133,12 +140,13 @@ ElutriaCloud::ElutriaCloud
     ),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     solids_(mesh(), kernel_),
-    entry_(*this, solids_, feed_),
+    cells_(mesh()),
+    entry_(*this, solids_, cells_, feed_),
     sampling_(*this, solids_, kernel_, feed_, contacts_),
     coupling_(*this, kernel_, stockMotion_),
     tracking_
     (
-        *this, coupling_, solids_, contacts_, entry_.recorder(),
+        *this, coupling_, solids_, cells_, contacts_, entry_.recorder(),
         sampling_.hasInertialDispersion()
     ),
     retakes_(0)

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ParcelTracking.H"
+#include "cloud/GasSampling.H"
 #include "contacts/SymmetryWalls.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
@@ -38,16 +39,8 @@ bool ParcelTracking::onlyCellsMatter() const
             return false;
         }
     }
-    const dictionary& schemes = cloud_.solution().interpolationSchemes();
-    for (const auto* field : {&cloud_.rho(), &cloud_.mu()})
-    {
-        if (schemes.get<word>(field->name()) != "cell")
-        {
-            return false;
-        }
-    }
     return
-        schemes.get<word>(cloud_.U().name()) == "cell"
+        GasSampling::readsCells(cloud_)
      && cloud_.functions().size() == (recorder_ ? 1 : 0)
      && cloud_.time().controlDict().subOrEmptyDict("functions").empty()
      && mesh().nSolutionD() == 3;
@@ -109,11 +102,11 @@ bool ParcelTracking::passCells
     const scalar dt
 )
 {
-    if (!cells_ || p.stepFraction() > 0 || !p.active())
+    if (!onlyCells_ || p.stepFraction() > 0 || !p.active())
     {
         return false;
     }
-    const label celli = cells_->follow
+    const label celli = cells_.follow
     (
         p.cell(), flight.from, flight.from + flight.displacement
     );
@@ -300,6 +293,7 @@ ParcelTracking::ParcelTracking
     StockCloud& cloud,
     GasCoupling& coupling,
     SolidFraction& solids,
+    const PlaneCells& cells,
     const CloudContacts* contacts,
     FeedEntry::Recorder* recorder,
     const bool inertialDispersion
@@ -316,7 +310,8 @@ ParcelTracking::ParcelTracking
       : elutria::dem::PeriodicBox()
     ),
     recorder_(recorder),
-    cells_(onlyCellsMatter() ? new PlaneCells(cloud.mesh()) : nullptr),
+    cells_(cells),
+    onlyCells_(onlyCellsMatter()),
     inertialDispersion_(inertialDispersion),
     goneThrough_(cloud.mesh().boundaryMesh().size(), Zero)
 {}
@@ -326,7 +321,7 @@ ParcelTracking::ParcelTracking
 
 void ParcelTracking::catchUp(StepParcels& step)
 {
-    if (!cells_)
+    if (!onlyCells_)
     {
         return;
     }

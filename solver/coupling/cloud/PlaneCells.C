@@ -20,7 +20,7 @@ constexpr scalar flatness = 1e-6;
 constexpr scalar onBoundary = 1e-9;
 
 //- Cells that a way leads through, at most: a corner is passed by rounding
-constexpr label mostCells = 100;
+constexpr label mostCells = 10000;
 
 } // End anonymous namespace
 

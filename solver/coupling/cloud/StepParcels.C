@@ -60,6 +60,8 @@ void StepParcels::resize(const size_t n)
     nextEnd_ = 0;
     starts.resize(n);
     tracked.resize(n);
+    cells.resize(n);
+    solids.resize(n);
     effectiveMass.resize(n);
     share.resize(n);
 
