@@ -18,8 +18,6 @@
 #include "profiling.H"
 #include "sigFpe.H"
 
-#include <algorithm>
-
 namespace Foam
 {
 
@@ -33,8 +31,13 @@ CloudContacts* ElutriaCloud::findContacts()
     if (contacts)
     {
         refuseWithContacts(particleProperties(), mesh());
-        const polyBoundaryMesh& patches = mesh().boundaryMesh();
-        if (std::any_of(patches.begin(), patches.end(), isSymmetry))
+        // Engine and walls are made anew for that
+        bool symmetric = false;
+        for (const polyPatch& patch : mesh().boundaryMesh())
+        {
+            symmetric = symmetric || isSymmetry(patch);
+        }
+        if (symmetric)
         {
             contacts->addSymmetryWalls();
         }

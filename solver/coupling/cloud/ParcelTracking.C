@@ -16,6 +16,7 @@
 #include "profiling.H"
 
 #include <algorithm>
+#include <set>
 
 namespace Foam
 {
@@ -24,15 +25,15 @@ namespace Foam
 
 bool ParcelTracking::onlyCellsMatter() const
 {
-    static const wordHashSet withoutPlace
-    ({
+    static const std::set<word> withoutPlace
+    {
         "gravity", "sphereDrag", "nonSphereDrag"
-    });
+    };
     for (const auto& force : cloud_.forces())
     {
         if
         (
-            !withoutPlace.found(force.type())
+            !withoutPlace.count(force.type())
          && !elutria::laws::findDragLaw(force.type())
         )
         {
@@ -42,7 +43,6 @@ bool ParcelTracking::onlyCellsMatter() const
     return
         GasSampling::readsCells(cloud_)
      && cloud_.functions().size() == (recorder_ ? 1 : 0)
-     && cloud_.time().controlDict().subOrEmptyDict("functions").empty()
      && mesh().nSolutionD() == 3;
 }
 
@@ -102,7 +102,12 @@ bool ParcelTracking::passCells
     const scalar dt
 )
 {
-    if (!onlyCells_ || p.stepFraction() > 0 || !p.active())
+    // The case's functions are read when the time loop begins
+    if
+    (
+        !onlyCells_ || cloud_.time().functionObjects().size()
+     || p.stepFraction() > 0 || !p.active()
+    )
     {
         return false;
     }
