@@ -10,6 +10,7 @@
 #include "cloud/exactPlaces.H"
 #include "cloud/stockRecords.H"
 #include "contacts/ContactHistory.H"
+#include "contacts/SymmetryWalls.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
 #include "impacts/Flight.hpp"
@@ -30,7 +31,16 @@ CloudContacts* ElutriaCloud::findContacts()
     if (contacts)
     {
         refuseWithContacts(particleProperties(), mesh());
-        contacts->addSymmetryWalls();
+        // Engine and walls are made anew for that
+        bool symmetric = false;
+        for (const polyPatch& patch : mesh().boundaryMesh())
+        {
+            symmetric = symmetric || isSymmetry(patch);
+        }
+        if (symmetric)
+        {
+            contacts->addSymmetryWalls();
+        }
     }
     return contacts;
 }
@@ -133,12 +143,14 @@ ElutriaCloud::ElutriaCloud
     ),
     kernel_(mesh(), particleProperties().subOrEmptyDict("spreading")),
     solids_(mesh(), kernel_),
-    entry_(*this, solids_, feed_),
+    cells_(mesh()),
+    entry_(*this, solids_, cells_, feed_),
     sampling_(*this, solids_, kernel_, feed_, contacts_),
     coupling_(*this, kernel_, stockMotion_),
     tracking_
     (
-        *this, coupling_, solids_, contacts_, sampling_.hasInertialDispersion()
+        *this, coupling_, solids_, cells_, contacts_, entry_.recorder(),
+        sampling_.hasInertialDispersion()
     ),
     retakes_(0)
 {
@@ -247,11 +259,12 @@ void ElutriaCloud::drop()
 const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
 {
     solids_.clear();
+    parcels_.startSearch();
     for (const StockParcel& p : *this)
     {
         solids_.add
         (
-            p.cell(), p.position(), p.nParticle()*p.volume(), p.d()
+            p.cell(), parcels_.place(p), p.nParticle()*p.volume(), p.d()
         );
     }
     return solids_.finish(maximum);
@@ -260,6 +273,7 @@ const volScalarField& ElutriaCloud::solidFraction(const scalar maximum)
 
 void ElutriaCloud::writeState()
 {
+    catchUp();
     entry_.writeState();
     if (contacts_)
     {

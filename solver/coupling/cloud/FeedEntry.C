@@ -80,6 +80,15 @@ void FeedEntry::takeInjected()
 }
 
 
+label FeedEntry::findCell(const point& place) const
+{
+    // OpenFOAM's search makes a tree of all cells first
+    const label celli =
+        mesh().nCells() ? cells_.follow(0, mesh().C()[0], place) : -1;
+    return celli < 0 ? mesh().findCell(place) : celli;
+}
+
+
 labelList FeedEntry::findOwners
 (
     const UList<point>& positions,
@@ -91,7 +100,7 @@ labelList FeedEntry::findOwners
     cells.resize(positions.size());
     forAll(positions, k)
     {
-        cells[k] = mesh().findCell(positions[k]);
+        cells[k] = findCell(positions[k]);
         if (cells[k] >= 0)
         {
             owners[k] = Pstream::myProcNo();
@@ -149,10 +158,17 @@ labelList FeedEntry::findPlaces
 
 // * * * * * * * * * * * * * * * * Constructors  * * * * * * * * * * * * * * //
 
-FeedEntry::FeedEntry(StockCloud& cloud, SolidFraction& solids, const Feed* feed)
+FeedEntry::FeedEntry
+(
+    StockCloud& cloud,
+    SolidFraction& solids,
+    const PlaneCells& cells,
+    const Feed* feed
+)
 :
     cloud_(cloud),
     solids_(solids),
+    cells_(cells),
     feed_(feed),
     injection_(nullptr),
     recorder_(nullptr),
@@ -209,7 +225,7 @@ void FeedEntry::enter(StepParcels& step)
         injection_->setParcel(entering[k], *parcel);
         cloud_.checkParcelProperties(*parcel, dt, true);
         cloud_.addParticle(parcel);
-        step.ends.push_back({parcelName(*parcel), positions[k]});
+        step.ends.push_back({parcelName(*parcel), positions[k], true});
         countArrival(*parcel);
     }
 }

@@ -35,6 +35,7 @@ GasCoupling::GasCoupling
     kernel_(kernel),
     stockMotion_(stockMotion),
     impulse_(cloud.mesh().nCells(), Zero),
+    given_(cloud.mesh().nCells(), false),
     stockCoefficient_(stockMotion ? cloud.mesh().nCells() : 0, Zero),
     window_(0),
     windowStart_(cloud.time().timeIndex())
@@ -54,19 +55,20 @@ void GasCoupling::depositStock()
 {
     if (cloud_.solution().coupled())
     {
+        forAll(impulse_, celli)
+        {
+            give(celli);
+        }
         impulse_ += cloud_.UTrans().field();
         stockCoefficient_ += cloud_.UCoeff().field();
     }
 }
 
 
-vectorField GasCoupling::forceOnGas() const
+vector GasCoupling::forceOnGas(const label celli) const
 {
-    if (!cloud_.solution().coupled() || window_ <= 0)
-    {
-        return vectorField(impulse_.size(), Zero);
-    }
-    return impulse_/window_;
+    const bool acts = cloud_.solution().coupled() && window_ > 0;
+    return acts ? impulse_[celli]/window_ : vector::zero;
 }
 
 
@@ -108,7 +110,11 @@ GasExchange GasCoupling::exchange() const
         }
     }
     coefficient /= mesh.V()*window_;
-    gas.force.primitiveFieldRef() = forceOnGas()/mesh.V();
+    vectorField& force = gas.force.primitiveFieldRef();
+    for (const label celli : cells_)
+    {
+        force[celli] = forceOnGas(celli)/mesh.V()[celli];
+    }
     kernel_.smooth(gas.force);
     kernel_.smooth(gas.coefficient);
     gas.force.correctBoundaryConditions();
@@ -143,7 +149,12 @@ void GasCoupling::correct(const volVectorField& change)
 
 void GasCoupling::restart()
 {
-    impulse_ = Zero;
+    for (const label celli : cells_)
+    {
+        impulse_[celli] = Zero;
+        given_[celli] = false;
+    }
+    cells_.clear();
     stockCoefficient_ = Zero;
     window_ = 0;
     windowStart_ = cloud_.time().timeIndex();

@@ -23,19 +23,6 @@ namespace Foam
 
 namespace laws = elutria::laws;
 
-// * * * * * * * * * * * * * * Local Functions * * * * * * * * * * * * * * * //
-
-scalarField solidVolume(const StockCloud& cloud)
-{
-    scalarField volume(cloud.mesh().nCells(), Zero);
-    for (const StockParcel& p : cloud)
-    {
-        volume[p.cell()] += p.nParticle()*p.volume();
-    }
-    return volume;
-}
-
-
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 bool GasSampling::readCorrection(const dictionary& properties)
@@ -105,6 +92,7 @@ void GasSampling::disperse
 (
     StockParcel& p,
     StockTracking& td,
+    const point& place,
     const scalar effectiveMass,
     const scalar dt
 )
@@ -120,7 +108,7 @@ void GasSampling::disperse
 
         inertialDispersion_->relaxationTime = effectiveMass/dragRate;
         inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
-        inertialDispersion_->offset = p.position() - mesh().C()[p.cell()];
+        inertialDispersion_->offset = place - mesh().C()[p.cell()];
     }
     p.calcDispersion(cloud_, td, dt);
 }
@@ -141,15 +129,19 @@ void GasSampling::sample
     step.share[i] = 1 - p.stepFraction();
     const scalar dt = step.share[i]*whole;
 
-    step.starts[i] = p.position();
-    p.setCellValues(cloud_, td);
+    step.start(i, p);
+    if (planar_)
+    {
+        step.starts[i] = p.position();
+    }
+    readGas(p, td);
     const scalar effectiveMass = forces.massEff(p, td, mass);
     step.effectiveMass[i] = effectiveMass;
 
     seedRandom(p);
     if (dispersing_)
     {
-        disperse(p, td, effectiveMass, dt);
+        disperse(p, td, step.starts[i], effectiveMass, dt);
     }
     seeUndisturbedGas(p, td, dt);
 
@@ -179,21 +171,24 @@ void GasSampling::sample
     all.radius[i] = 0.5*p.d();
     all.mass[i] = mass;
     all.statisticalWeight[i] = p.nParticle();
+    step.cells[i] = p.cell();
+    step.solids[i] = p.nParticle()*p.volume();
     all.dragRate[i] = rate;
-    const bool planar = mesh().nSolutionD() < 3;    // kept in its plane
-    all.position.set
-    (
-        i,
-        toEngine
-        (
-            planar ? step.starts[i]
-          : step.exact(all.id[i], step.starts[i], p.d())
-        )
-    );
+    all.position.set(i, toEngine(step.starts[i]));
     all.velocity.set(i, toEngine(startVelocity));
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
     all.acceleration.set(i, toEngine(acceleration));
+}
+
+
+scalar GasSampling::depositKept(const scalar kernel, const scalar cellSize)
+{
+    if (kernel != kept_.kernel || cellSize != kept_.cellSize)
+    {
+        kept_ = {kernel, cellSize, laws::depositKept(kernel, cellSize)};
+    }
+    return kept_.part;
 }
 
 
@@ -202,7 +197,7 @@ void GasSampling::seeUndisturbedGas
     const StockParcel& p,
     StockTracking& td,
     const scalar dt
-) const
+)
 {
     if (!undisturbed_ || p.age() < disturbanceAge_ || disturbanceAge_ < 0)
     {
@@ -210,7 +205,7 @@ void GasSampling::seeUndisturbedGas
     }
 
     const scalar cellVolume = mesh().V()[p.cell()];
-    const scalar cellSize = cbrt(cellVolume);
+    const scalar cellSize = cellSize_[p.cell()];
     const scalar kernel = kernel_.active() ? kernel_.width() : 0;
     const vector seen(td.Uc() - p.U());
     const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
@@ -229,7 +224,7 @@ void GasSampling::seeUndisturbedGas
         laws::neighbourSpacing
         (
             solids_.field()[p.cell()], volume,
-            volume/cellVolume*laws::depositKept(kernel, cellSize)
+            volume/cellVolume*depositKept(kernel, cellSize)
         ),
         viscosity,
         viscosity/td.rhoc()
@@ -256,10 +251,11 @@ void GasSampling::seeUndisturbedGas
 }
 
 
-void GasSampling::findSolidFractions(elutria::dem::Particles& all) const
+void GasSampling::findSolidFractions(StepParcels& step)
 {
+    elutria::dem::Particles& all = step.particles;
     std::vector<double>& fractions = all.solidFraction;
-    fractions.assign(cloud_.size(), 0);
+    fractions.assign(all.size(), 0);
 
     const bool weighted = std::any_of
     (
@@ -271,25 +267,53 @@ void GasSampling::findSolidFractions(elutria::dem::Particles& all) const
         return;
     }
 
-    const scalarField solids(solidVolume(cloud_));
-    labelList parcels(mesh().nCells(), Zero);
-    for (const StockParcel& p : cloud_)
+    for (size_t i = 0; i < all.size(); ++i)
     {
-        ++parcels[p.cell()];
+        solidVolume_[step.cells[i]] += step.solids[i];
+        ++parcels_[step.cells[i]];
     }
-    size_t i = 0;
-    for (const StockParcel& p : cloud_)
+    for (size_t i = 0; i < all.size(); ++i)
     {
-        const label celli = p.cell(), others = parcels[celli] - 1;
-        const scalar volume = solids[celli] - p.nParticle()*p.volume();
+        const label celli = step.cells[i], others = parcels_[celli] - 1;
+        const scalar volume = solidVolume_[celli] - step.solids[i];
 
         // Rounded: the last digits of a cell's volume are those of the
         // decomposition of the mesh
-        fractions[i++] = float
+        fractions[i] = float
         (
             volume*(others - 1)/max(others, label(1))/mesh().V()[celli]
         );
     }
+    for (const label celli : step.cells)
+    {
+        solidVolume_[celli] = 0;
+        parcels_[celli] = 0;
+    }
+}
+
+
+bool GasSampling::readsCells(const StockCloud& cloud)
+{
+    const dictionary& schemes = cloud.solution().interpolationSchemes();
+    const word names[] = {cloud.rho().name(), cloud.U().name(), cloud.mu().name()};
+    return std::all_of(std::begin(names), std::end(names), [&](const word& name)
+    {
+        return schemes.get<word>(name) == "cell";
+    });
+}
+
+
+void GasSampling::readGas(StockParcel& p, StockTracking& td)
+{
+    if (!readsCells_)
+    {
+        p.setCellValues(cloud_, td);
+        return;
+    }
+    const label celli = p.cell();
+    td.rhoc() = max(cloud_.rho()[celli], cloud_.constProps().rhoMin());
+    td.Uc() = cloud_.U()[celli];
+    td.muc() = cloud_.mu()[celli];
 }
 
 
@@ -310,6 +334,12 @@ GasSampling::GasSampling
     feed_(feed),
     contacts_(contacts),
     inertialDispersion_(dynamic_cast<InertialDispersion*>(&cloud.dispersion())),
+    planar_(cloud.mesh().nSolutionD() < 3),
+    readsCells_(readsCells(cloud)),
+    cellSize_(cbrt(cloud.mesh().V().field())),
+    kept_{0, 0, 0},
+    solidVolume_(contacts ? cloud.mesh().nCells() : 0, Zero),
+    parcels_(contacts ? cloud.mesh().nCells() : 0, Zero),
     undisturbed_(readCorrection(cloud.particleProperties())),
     disturbanceAge_(readDisturbanceAge()),
     dispersing_(false),
@@ -339,7 +369,7 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
     {
         disturbanceAge_ += dt;
     }
-    findSolidFractions(step.particles);
+    findSolidFractions(step);
     step.setLateAside();
 }
 

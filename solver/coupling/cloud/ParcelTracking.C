@@ -6,71 +6,135 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/ParcelTracking.H"
+#include "cloud/GasSampling.H"
 #include "contacts/SymmetryWalls.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "parallel/ParcelTransfer.H"
+#include "laws/DragLaws.hpp"
 #include "meshTools.H"
 #include "profiling.H"
 
 #include <algorithm>
+#include <set>
 
 namespace Foam
 {
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
-List<ParcelTracking::Flight> ParcelTracking::flights
+bool ParcelTracking::onlyCellsMatter() const
+{
+    static const std::set<word> withoutPlace
+    {
+        "gravity", "sphereDrag", "nonSphereDrag"
+    };
+    for (const auto& force : cloud_.forces())
+    {
+        if
+        (
+            !withoutPlace.count(force.type())
+         && !elutria::laws::findDragLaw(force.type())
+        )
+        {
+            return false;
+        }
+    }
+    return
+        GasSampling::readsCells(cloud_)
+     && cloud_.functions().size() == (recorder_ ? 1 : 0)
+     && mesh().nSolutionD() == 3;
+}
+
+
+ParcelTracking::Flight ParcelTracking::flight
 (
+    StockParcel& p,
     const StepParcels& step,
+    const size_t i,
     const scalar dt
-)
+) const
 {
     const elutria::dem::Particles& all = step.particles;
-    const elutria::dem::PeriodicBox box =
-        contacts_ ? contacts_->engine().settings().box
-      : elutria::dem::PeriodicBox();
+    Flight f;
+    f.from = step.starts[i];
+    f.displacement = toFoam(box_.shortest(all.position[i] - toEngine(f.from)));
+    f.start = p.U();
+    f.end = toFoam(all.velocity[i]);
+    f.spin = toFoam(all.spin[i]);
+    f.impulse = step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
+    f.dragRate = all.dragRate[i];
+    f.target = toFoam(all.position[i]);
+    f.age = p.age() - p.stepFraction()*dt;
 
-    List<Flight> flights(step.starts.size());
-    size_t i = 0;
-    for (StockParcel& p : cloud_)
+    // What neither drag nor other forces did, contacts did
+    turnFluctuation
+    (
+        p,
+        f.end - f.start - dt*toFoam(all.acceleration[i])
+      - toFoam(all.dragImpulse[i])/all.mass[i]
+    );
+
+    if (planar_)
     {
-        Flight& f = flights[i];
-        f.from = step.starts[i];
-        f.displacement = toFoam
-        (
-            box.shortest(all.position[i] - toEngine(f.from))
-        );
-        f.start = p.U();
-        f.end = toFoam(all.velocity[i]);
-        f.spin = toFoam(all.spin[i]);
-        f.impulse =
-            step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
-        f.dragRate = all.dragRate[i];
-        f.target = toFoam(all.position[i]);
-        f.age = p.age() - p.stepFraction()*dt;
-
-        // What neither drag nor other forces did, contacts did
-        turnFluctuation
-        (
-            p,
-            f.end - f.start - dt*toFoam(all.acceleration[i])
-          - toFoam(all.dragImpulse[i])/all.mass[i]
-        );
-
         meshTools::constrainDirection
         (
             mesh(), mesh().solutionD(), f.displacement
         );
         meshTools::constrainDirection(mesh(), mesh().solutionD(), f.end);
+    }
 
-        // As if it had come all the step's way
-        const scalar share = step.share[i];
+    // As if it had come all the step's way
+    const scalar share = step.share[i];
+    if (share < 1)
+    {
         f.displacement /= share;
         f.start = f.end - (f.end - f.start)/share;
-        ++i;
     }
-    return flights;
+    return f;
+}
+
+
+bool ParcelTracking::passCells
+(
+    StockParcel& p,
+    const Flight& flight,
+    const scalar dt
+)
+{
+    // The case's functions are read when the time loop begins
+    if
+    (
+        !onlyCells_ || cloud_.time().functionObjects().size()
+     || p.stepFraction() > 0 || !p.active()
+    )
+    {
+        return false;
+    }
+    const label celli = cells_.follow
+    (
+        p.cell(), flight.from, flight.from + flight.displacement
+    );
+    if (celli < 0)
+    {
+        return false;
+    }
+    p.cell() = celli;
+    p.stepFraction() = 1;
+    p.age() = flight.age + dt;
+    if (recorder_)
+    {
+        recorder_->pass(p, flight.from, flight.target, dt);
+    }
+    finish(p, flight);
+    return true;
+}
+
+
+void ParcelTracking::finish(StockParcel& p, const Flight& flight)
+{
+    p.U() = flight.end;
+    p.angularMomentum() = p.momentOfInertia()*flight.spin;
 }
 
 
@@ -222,8 +286,7 @@ void ParcelTracking::trackParcel
         {
             callPostMove(cloud_.functions(), p, 0, known, td);
         }
-        p.U() = flight.end;
-        p.angularMomentum() = p.momentOfInertia()*flight.spin;
+        finish(p, flight);
     }
 }
 
@@ -235,7 +298,9 @@ ParcelTracking::ParcelTracking
     StockCloud& cloud,
     GasCoupling& coupling,
     SolidFraction& solids,
+    const PlaneCells& cells,
     const CloudContacts* contacts,
+    FeedEntry::Recorder* recorder,
     const bool inertialDispersion
 )
 :
@@ -243,12 +308,40 @@ ParcelTracking::ParcelTracking
     coupling_(coupling),
     solids_(solids),
     contacts_(contacts),
+    planar_(cloud.mesh().nSolutionD() < 3),
+    box_
+    (
+        contacts ? contacts->engine().settings().box
+      : elutria::dem::PeriodicBox()
+    ),
+    recorder_(recorder),
+    cells_(cells),
+    onlyCells_(onlyCellsMatter()),
     inertialDispersion_(inertialDispersion),
     goneThrough_(cloud.mesh().boundaryMesh().size(), Zero)
 {}
 
 
 // * * * * * * * * * * * * * * * Member Functions  * * * * * * * * * * * * * //
+
+void ParcelTracking::catchUp(StepParcels& step)
+{
+    if (!onlyCells_)
+    {
+        return;
+    }
+    step.startSearch();
+    for (StockParcel& p : cloud_)
+    {
+        StepParcels::End* end = step.next(p);
+        if (end && !end->tracked)
+        {
+            p.relocate(end->position, p.cell());
+            end->tracked = true;
+        }
+    }
+}
+
 
 labelList ParcelTracking::goneThrough() const
 {
@@ -281,7 +374,7 @@ void ParcelTracking::keep
     step.ends.clear();
     for (const Arrived& a : arrived)
     {
-        step.ends.push_back({parcelName(*a.parcel), a.target});
+        step.ends.push_back({parcelName(*a.parcel), a.target, a.tracked});
         coupling_.keep(a.dragRate);
         cloud_.addParticle(a.parcel);
     }
@@ -297,22 +390,38 @@ void ParcelTracking::track
 {
     addProfiling(tracking, "elutria::tracking");
 
-    // Parcels still to be tracked, with their flights: first all of the
-    // cloud's, then those that arrive from other processors
-    List<Flight> flightOf(flights(step, dt));
+    // Parcels still to be tracked: first all of the cloud's, then those that
+    // arrive from other processors, with their flights
     IDLList<StockParcel> moving;
     moving.transfer(cloud_);
+    List<Flight> flights;
+    bool first = true;
     std::vector<Arrived> arrived;
-    arrived.reserve(flightOf.size());
+    arrived.reserve(step.starts.size());
+
+    const auto arrive = [&](StockParcel& p, const Flight& f, const bool tracked)
+    {
+        deposit(p, f);
+        arrived.push_back({moving.remove(&p), f.target, f.dragRate, tracked});
+    };
 
     ParcelTransfer<StockParcel, Flight> transfer(mesh());
-
     do
     {
-        label k = 0;
+        label k = -1;
         for (StockParcel& p : moving)
         {
-            Flight& flight = flightOf[k++];
+            ++k;
+            Flight flight(first ? this->flight(p, step, k, dt) : flights[k]);
+            if (first && passCells(p, flight, dt))
+            {
+                arrive(p, flight, false);
+                continue;
+            }
+            if (first && !step.tracked[k])
+            {
+                p.relocate(flight.from, p.cell());
+            }
             trackParcel(p, flight, td, dt);
 
             if (!td.keepParticle)
@@ -334,14 +443,11 @@ void ParcelTracking::track
             }
             else
             {
-                deposit(p, flight);
-                arrived.push_back
-                (
-                    {moving.remove(&p), flight.target, flight.dragRate}
-                );
+                arrive(p, flight, true);
             }
         }
-    } while (transfer.exchange(moving, flightOf, td));
+        first = false;
+    } while (transfer.exchange(moving, flights, td));
     keep(arrived, step);
 }
 

@@ -59,6 +59,9 @@ void StepParcels::resize(const size_t n)
 {
     nextEnd_ = 0;
     starts.resize(n);
+    tracked.resize(n);
+    cells.resize(n);
+    solids.resize(n);
     effectiveMass.resize(n);
     share.resize(n);
 
@@ -83,13 +86,10 @@ void StepParcels::resize(const size_t n)
 }
 
 
-point StepParcels::exact
-(
-    const uint64_t name,
-    const point& tracked,
-    const scalar d
-)
+StepParcels::End* StepParcels::next(const StockParcel& p)
 {
+    const uint64_t name = parcelName(p);
+
     // Parcels that are no more leave gaps
     size_t k = nextEnd_;
     while (k < ends.size() && ends[k].name != name)
@@ -98,14 +98,40 @@ point StepParcels::exact
     }
     if (k == ends.size())
     {
-        return tracked;
+        return nullptr;
     }
     nextEnd_ = k + 1;
+    return &ends[k];
+}
+
+
+point StepParcels::placeOf(const StockParcel& p, const End* end)
+{
+    if (end && !end->tracked)
+    {
+        return end->position;
+    }
+    const point tracked(p.position());
 
     // Further away: a patch has turned it, or taken it to its other side
     constexpr scalar rounding = 1e-3;       // of its size
-    const bool there = magSqr(ends[k].position - tracked) < sqr(rounding*d);
-    return there ? ends[k].position : tracked;
+    const bool there =
+        end && magSqr(end->position - tracked) < sqr(rounding*p.d());
+    return there ? end->position : tracked;
+}
+
+
+point StepParcels::place(const StockParcel& p)
+{
+    return placeOf(p, next(p));
+}
+
+
+void StepParcels::start(const size_t i, const StockParcel& p)
+{
+    const End* end = next(p);
+    starts[i] = placeOf(p, end);
+    tracked[i] = !end || end->tracked;
 }
 
 

@@ -29,7 +29,7 @@ void exactPlaces::write(const StockCloud& cloud, StepParcels& parcels)
     label i = 0;
     for (const auto& p : cloud)
     {
-        places[i++] = parcels.exact(parcelName(p), p.position(), p.d());
+        places[i++] = parcels.place(p);
     }
     places.write(cloud.size() > 0);
 }
@@ -49,7 +49,7 @@ void exactPlaces::read(const StockCloud& cloud, StepParcels& parcels)
     label i = 0;
     for (const auto& p : cloud)
     {
-        parcels.ends.push_back({parcelName(p), places[i++]});
+        parcels.ends.push_back({parcelName(p), places[i++], true});
     }
 }
 

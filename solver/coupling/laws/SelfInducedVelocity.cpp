@@ -70,7 +70,9 @@ double selfInducedShare(double dragRate, const DepositMotion& motion,
 
 bool outOfDisturbance(double distance, double kernel, double cellSize)
 {
-    return felt(distance/std::hypot(kernel, 0.337*cellSize)) < 1e-6;
+    const double widths = distance/std::hypot(kernel, 0.337*cellSize);
+    if (widths > -4.8 && widths < 15.2) return false;    // felt falls on both sides
+    return felt(widths) < 1e-6;
 }
 
 

@@ -46,6 +46,12 @@ bool hasOpening(const fvMesh& mesh)
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
+void GasPhase::forgetMeans()
+{
+    courantRate_ = meanSpeed_ = throughTime_ = -1;
+}
+
+
 IOobject GasPhase::fieldHeader
 (
     const word& name,
@@ -203,9 +209,9 @@ void GasPhase::reportContinuity()
     const volScalarField error(fvc::ddt(alpha_) + fvc::div(alphaPhi_));
     const scalar dt = mesh_.time().deltaTValue();
     const scalar local =
-        dt*fvc::domainIntegrate(mag(error)).value()/gSum(mesh_.V());
+        dt*fvc::domainIntegrate(mag(error)).value()/volume_;
     const scalar global =
-        dt*fvc::domainIntegrate(error).value()/gSum(mesh_.V());
+        dt*fvc::domainIntegrate(error).value()/volume_;
     cumulativeContinuityError_ += global;
 
     Info<< "time step continuity errors : sum local = " << local
@@ -311,6 +317,10 @@ GasPhase::GasPhase
     ),
     cumulativeContinuityError_(0),
     courantRate_(-1),
+    meanSpeed_(-1),
+    throughTime_(-1),
+    volume_(gSum(mesh.V())),
+    meanDensity_(gAverage(rho_.primitiveField())),
     boundaryChange_(0),
     extraSteps_(0)
 {
@@ -392,7 +402,7 @@ void GasPhase::solve
 {
     GasClock clock(runTime_);
     clock.setStep(dt);
-    courantRate_ = -1;
+    forgetMeans();
 
     while (pimple_.loop())
     {
@@ -422,7 +432,7 @@ void GasPhase::solve
         const dimensionedVector missing
         (
             fvc::domainIntegrate(tforce() - reconstruct(forceFlux/rAUf))
-           /dimensionedScalar("volume", dimVolume, gSum(mesh_.V()))
+           /dimensionedScalar("volume", dimVolume, volume_)
         );
         forceFlux += rAUf*((g_ + missing) & mesh_.Sf());
         const surfaceScalarField inletFlux(inletDrag(coefficient, rAUf));
@@ -548,20 +558,22 @@ scalar GasPhase::inflow(const surfaceScalarField& phi)
 
 scalar GasPhase::throughTime() const
 {
-    const scalar entering = inflow(phi_);
-    return entering > VSMALL ? gSum(mesh_.V())/entering : GREAT;
+    if (throughTime_ < 0)
+    {
+        const scalar entering = inflow(phi_);
+        throughTime_ = entering > VSMALL ? volume_/entering : GREAT;
+    }
+    return throughTime_;
 }
 
 
 scalar GasPhase::meanSpeed() const
 {
-    return max(rms(U_), VSMALL);
-}
-
-
-scalar GasPhase::meanDensity() const
-{
-    return gAverage(rho_.primitiveField());
+    if (meanSpeed_ < 0)
+    {
+        meanSpeed_ = max(rms(U_), VSMALL);
+    }
+    return meanSpeed_;
 }
 
 

@@ -126,7 +126,7 @@ void GasPhase::startFromSettled()
         field.correctBoundaryConditions();
     });
     alphaPhi_ = alphaf_*phi_;
-    courantRate_ = -1;
+    forgetMeans();
     Info<< "elutria: gas starts from the flow settled at " << 1/ratio
         << " times its velocity" << endl;
 }

@@ -218,7 +218,7 @@ tmp<volVectorField> GasPhase::advance
         }
 
         before.restore();
-        courantRate_ = -1;
+        forgetMeans();
         if (attempt == retakes)
         {
             throw UnsoundStep

@@ -168,17 +168,23 @@ void ScenePlan::findFlowAxis()
 }
 
 
-template<class Type>
-Field<Type> ScenePlan::blockSums(const Field<Type>& ofCells) const
+ScenePlan::Load ScenePlan::loadBy(const ElutriaCloud& cloud) const
 {
-    Field<Type> sums(lastLoad_.force.size(), Zero);
-    forAll(blockOf_, celli)
+    const label blocks = lastLoad_.force.size();
+    Load load{vectorField(blocks, Zero), scalarField(blocks, Zero)};
+    cloud.forEachForceOnGas([&](const label celli, const vector& force)
     {
-        sums[blockOf_[celli]] += ofCells[celli];
+        load.force[blockOf_[celli]] += force;
+    });
+    for (const StockParcel& p : cloud)
+    {
+        load.volume[blockOf_[p.cell()]] += p.nParticle()*p.volume();
     }
-    Pstream::listCombineGather(sums, plusEqOp<Type>());
-    elutriaBroadcast(sums);
-    return sums;
+    Pstream::listCombineGather(load.force, plusEqOp<vector>());
+    elutriaBroadcast(load.force);
+    Pstream::listCombineGather(load.volume, plusEqOp<scalar>());
+    elutriaBroadcast(load.volume);
+    return load;
 }
 
 
@@ -219,7 +225,7 @@ scalar ScenePlan::loadChange() const
             force*gas_.throughTime()/(gas_.meanDensity()*gas_.meanSpeed()),
             volume
         )
-       /gSum(gas_.U().mesh().V());
+       /gas_.volume();
 }
 
 
@@ -306,7 +312,7 @@ bool ScenePlan::gasNeeded(const ElutriaCloud& cloud)
         return true;
     }
 
-    load_ = {blockSums(cloud.forceOnGas()), blockSums(cloud.solidVolume())};
+    load_ = loadBy(cloud);
     const scalar spared = loadChange();
 
     since_ = 0;

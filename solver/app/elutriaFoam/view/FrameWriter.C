@@ -150,6 +150,7 @@ List<char> FrameWriter::gatherParticles() const
 {
     std::vector<char> own;
     own.reserve(cloud_.size()*sizeof(FrameFile::Particle));
+    cloud_.catchUp();
     for (const StockParcel& p : cloud_)
     {
         append(own, particle(p));
