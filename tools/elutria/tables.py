@@ -99,11 +99,12 @@ def short(name: str) -> str:
 
 def title(row: Mapping[str, Any]) -> str:
     """`5 m/s`, `5 m/s, loading 0.2`."""
-    return ", ".join(
-        [f"{row[VELOCITY]:g} m/s", *(f"{short(name)} {shown(row[name])}" for name in axes([row]))]
-    )
+    varied = [f"{short(name)} {shown(row[name])}" for name in axes([row])]
+    return ", ".join([f"{shown(row[VELOCITY])} m/s", *varied])
 
 
 def shown(value: Any) -> str:
-    """A cell as it is read: `0.2`, `evenSizes`."""
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+    """A cell as it is read: `0.2`, `evenSizes`; whole numbers with all their digits."""
+    if not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:.15g}" if float(value).is_integer() else f"{value:g}"

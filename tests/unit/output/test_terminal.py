@@ -24,7 +24,7 @@ def row(velocity: float, material: str) -> dict[str, object]:
 
 WORDS = [
     "12.3456", "magnetite-of-the-second-feed", "1234", "1358", "1356..1360", "1468", "0.841",
-    "0.457", "12345678", "d25", "d50", "95 % of d50", "d75", "d25/d75", "fines", "fed", "m/s", "um",
+    "0.457", "12345678", "d25", "d50", "95 % of d50", "d75", "d25/", "fines", "fed", "m/s", "um",
     "number",
 ]  # fmt: skip
 
@@ -59,6 +59,31 @@ def test_no_digit_and_no_column_is_lost(width: int, materials: list[str]) -> Non
 def test_several_materials_fit_into_80_characters() -> None:
     text = printed([row(4.5, name) for name in ("quartz", "magnetite", "coal", "all")], 80)
     assert text.count("magnetite") == 1
+
+
+@pytest.mark.parametrize("varied", [{}, {"system/simulationParameters:loading": 0.25}])
+def test_all_columns_fit_into_80_characters(varied: dict[str, object]) -> None:
+    """Of three materials, with warnings, and with the free fall or one more setting."""
+    names = ("quartz", "magnetite", "coal", "all")
+    rows = [row(u, name) | {"warnings": 2} | {k: v * u for k, v in varied.items()}
+            for u in (4.5, 5.0) for name in names]  # fmt: skip
+    theory: list[dict[str, object]] = [
+        {"gas_velocity_m_s": 4.5, "material": "coal", "cut_size_m": 1e-3}
+    ]
+    lines = printed(rows, 80, theory=theory).splitlines()
+    assert max(len(line) for line in lines) <= 80
+    assert sum("coal" in line for line in lines) == 2  # in one part
+    head = " ".join(lines[1:3])
+    for word in ("warnings", "d25/", "95 % of d50", "loading" if varied else "to free"):
+        assert word in head
+
+
+def test_large_numbers_keep_all_digits() -> None:
+    rows = [row(5, name) | {"constant/feed:seed": seed, "d75_m": 0.123456}
+            for seed in (12345678, 12345679) for name in ("quartz", "all")]  # fmt: skip
+    text = printed(rows, 80)
+    for word in ("12345678", "12345679", "123456"):
+        assert word in text.split()
 
 
 def test_how_far_the_cut_is_from_that_of_the_terminal_velocity() -> None:
