@@ -345,7 +345,7 @@ def compare(
 @app.command(epilog="Example: elutria view cases/column --velocity 5")
 def view(
     place: Annotated[
-        Path, typer.Argument(help="A case, which is run; or a run, live or recorded.")
+        Path, typer.Argument(help="A case, which is run; or a run or a sweep, live or recorded.")
     ],
     to: Annotated[Path | None, typer.Option(help="Folder of the run of a case.")] = None,
     velocity: Annotated[float | None, typer.Option(help="Gas velocity, m/s.")] = None,
@@ -364,6 +364,7 @@ def view(
 
     if film is not None:
         films.check_film(film)
+        films.require_one(place)
     run = place
     if not viewing.is_run(place):
         run = viewing.folder_for(place, to)
@@ -374,7 +375,7 @@ def view(
             return
         viewing.run_case_to_end(arguments, run)
     if film is None:
-        viewing.look_on(viewing.session_of(run), port, _say, browser=browser)
+        viewing.look_on(viewing.session_for(run), port, _say, browser=browser)
         return
     from elutria.running.progress import ProgressDisplay
 

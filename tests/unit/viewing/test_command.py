@@ -13,7 +13,7 @@ from elutria.case.case import Case
 from elutria.cli import main
 from elutria.running.run import _steered
 from elutria.viewing.film import RATE, record
-from elutria.viewing.view import is_going_on
+from elutria.viewing.sessions import is_going_on
 from tests.support.frames import falling, write_run
 
 
@@ -31,7 +31,7 @@ def test_what_is_no_case_and_no_run(tmp_path: Path, capsys: pytest.CaptureFixtur
     for name in ("U5", "U6"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "elutria.json").write_text("{}")
-    assert "one of them (U5, U6)" in refused(capsys, str(tmp_path))
+    assert "none of its 2 runs has recorded frames" in refused(capsys, str(tmp_path))
     assert "no frames were recorded" in refused(capsys, str(tmp_path / "U5"))
 
 

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from elutria.errors import InputError
+from elutria.errors import InputError, one_line
 from elutria.files import atomic_write
 from elutria.viewing.frames import Frame, Scene
 from elutria.viewing.recording import Recording
 from elutria.viewing.sessions import about
 from elutria.viewing.standalone import write_standalone
 from elutria.viewing.statistics import Statistics, summary
+from elutria.viewing.sweeps import runs_in
 from elutria.viewing.walls import Walls, read_walls
 
 if TYPE_CHECKING:
@@ -60,6 +61,13 @@ def check_film(to: Path) -> None:
     """Raise InputError where a film of this name cannot be made, before anything is run."""
     if to.suffix != ".html":
         writer_for(to)
+
+
+def require_one(place: Path) -> None:
+    """Raise InputError for the folder of a sweep: a film is of one run."""
+    if runs := runs_in(place):
+        names = one_line(", ".join(run.name for run in runs), 200)
+        raise InputError(f"{place}: holds several runs; allowed: a film of one of them ({names})")
 
 
 def record(run: Path, to: Path, speed: float, on_frame: Callable[[float], None]) -> None:

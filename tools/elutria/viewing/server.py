@@ -11,7 +11,7 @@ import contextlib
 import hmac
 import json
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
@@ -124,6 +124,14 @@ class PageServer:
         for client in self._clients:
             client.texts.append(text)
             client.ready.set()
+
+    def forget(self, kinds: Iterable[str]) -> None:
+        """Pages that come later are not told of these any more, and no frame is left."""
+        for kind in kinds:
+            self._kept.pop(kind, None)
+        self._frame = None
+        for client in self._clients:
+            client.frame = None
 
     async def _follow(self, connection: ServerConnection) -> None:
         client = _Client(connection)

@@ -14,6 +14,28 @@ export function showState({ state, text }) {
   $("state").dataset.state = state;
 }
 
+// The runs of a sweep, as buttons; those without frames cannot be chosen
+export function showRuns(runs, chosen, choose) {
+  $("runs").hidden = false;
+  const known = [...$("runs").children].map((button) => button.textContent).join("/");
+  if (known !== runs.map(({ name }) => name).join("/")) {
+    $("runs").replaceChildren(...runs.map(({ name }) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.onclick = () => choose(name);
+      return button;
+    }));
+  }
+  for (const [k, { name, state }] of runs.entries()) {
+    const button = $("runs").children[k];
+    button.dataset.state = state;
+    button.disabled = !state;
+    button.title = state || "no frames were recorded";
+    button.setAttribute("aria-current", name === chosen);
+  }
+}
+
 // The part of a slider's way, for factors from 1/4 to 4 of the case's value
 const factor = (place) => 4 ** place;
 const place = (value) => Math.log(value) / Math.log(4);
@@ -44,6 +66,11 @@ export class Panel {
     $("time").max = message.about.duration_s || 1;
     this.follow(message.control);
     this.legend();
+    this.column.colourBy($("colour").value);
+    this.column.showGas($("slice").checked);
+    this.column.enlarge(Number($("larger").value));
+    $("d50").textContent = "–";
+    $("products").replaceChildren();
   }
 
   ask(change) {
