@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 EVENTS = (
@@ -89,6 +89,22 @@ def axes(rows: Iterable[Mapping[str, Any]]) -> list[str]:
 def setting(row: Mapping[str, Any]) -> tuple[Any, ...]:
     """What a row's run was given: gas velocity, then its other settings."""
     return (row[VELOCITY], *(row[name] for name in axes([row])))
+
+
+def product_names(
+    partition: Sequence[Mapping[str, Any]], product_partition: Sequence[Mapping[str, Any]]
+) -> dict[str, str]:
+    """What a case calls the product of the curve, `coarse` in partition.csv, and all the others
+    together, `fines` there. By their masses; as they are where product_partition.csv is empty."""
+    masses: dict[str, float] = {}
+    for row in product_partition:
+        if row["material"] == "all":
+            masses[row["product"]] = masses.get(row["product"], 0.0) + row["product_kg"]
+    if not masses:
+        return {"fines": "fines", "coarse": "coarse"}
+    mass = sum(row["coarse_kg"] for row in partition if row["material"] == "all")
+    coarse = min(reversed(masses), key=lambda name: abs(masses[name] - mass))
+    return {"fines": " + ".join(name for name in masses if name != coarse), "coarse": coarse}
 
 
 def short(name: str) -> str:

@@ -95,7 +95,8 @@ def at_work(results: Path) -> Iterator[Any]:
         yield lock
 
 
-def test_the_run_that_goes_on_is_watched_and_not_steered(results: Path, at_work: Any) -> None:
+@pytest.mark.usefixtures("at_work")
+def test_the_run_that_goes_on_is_watched_and_not_steered(results: Path) -> None:
     async def talk(page: ClientConnection) -> None:
         scene = await told(page, "scene")
         assert scene["about"]["name"] == "U9"

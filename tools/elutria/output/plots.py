@@ -32,6 +32,8 @@ class Results:
     curves: list[Row]
     theory: list[Row]
     settings: Settings
+    products: dict[str, str]
+    """What the case calls `fines` and `coarse`."""
 
 
 def read_results(folder: Path) -> Results:
@@ -42,7 +44,9 @@ def read_results(folder: Path) -> Results:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
     curves = optional(folder / "curve.csv", tables.CURVE)
     lines = read_theory(folder)
-    return Results(summary, partition, curves, lines, Settings(summary, partition))
+    by_product = optional(folder / "product_partition.csv", tables.PRODUCT_PARTITION)
+    products = tables.product_names(partition, by_product)
+    return Results(summary, partition, curves, lines, Settings(summary, partition), products)
 
 
 def read_theory(folder: Path) -> list[Row]:
@@ -76,13 +80,17 @@ def save_styled(figure: Figure, path: Path) -> Path:
 
 def figures(results: Results) -> dict[str, tuple[Figure, list[str], list[Row]]]:
     """Each figure by its name, with the columns and rows of what it shows."""
-    settings = results.settings
+    settings, products = results.settings, results.products
     with mpl.rc_context(STYLE):
-        curves, classes = partition_figure(settings, results.partition, results.curves)
-        sizes, steps = size_figure(settings, results.partition)
+        curves, classes = partition_figure(
+            settings, results.partition, results.curves, products["coarse"]
+        )
+        sizes, steps = size_figure(settings, results.partition, products)
         cut = cut_size_figure(settings, results.summary, results.theory)
         over = contour_settings(settings, results.summary)
-        contours = contour_figure(settings, results.summary, over) if over else None
+        contours = (
+            contour_figure(settings, results.summary, over, products["fines"]) if over else None
+        )
     own = settings.columns
     amounts = [f"{name}_per_decade" for name in products_of(results.partition)]
     drawn = {
@@ -101,7 +109,7 @@ def _caption(figure: Figure, settings: Settings, summary: list[Row]) -> None:
     """Below a figure: which runs have warnings."""
     warned = {settings.of(row) for row in summary if row.get("warnings", 0) > 0}
     if warned:
-        runs = ", ".join(settings.label(one) for one in settings.all if one in warned)
+        runs = "; ".join(settings.label(one) for one in settings.all if one in warned)
         said = f"With warnings (warnings.json of the runs): {runs}"
         figure.supxlabel(said, fontsize=6, color="0.35", wrap=True)
 

@@ -180,7 +180,8 @@ def _over(row: Row, free: Mapping[tuple[float, str], float]) -> str:
 
 
 def _interval(row: Row) -> str:
-    return f"{micrometres(row['d50_low_m'])}..{micrometres(row['d50_high_m'])}"
+    low, high = row["d50_low_m"], row["d50_high_m"]
+    return "-" if low != low and high != high else f"{micrometres(low)}..{micrometres(high)}"
 
 
 def count(number: float) -> str:

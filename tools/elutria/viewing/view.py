@@ -19,6 +19,9 @@ from elutria.running.run import FRAMES
 from elutria.viewing.sessions import LiveSession, Session, session_of
 from elutria.viewing.sweeps import SweepSession, runs_in
 
+Seen = Session | SweepSession
+"""A run or a sweep that is looked at."""
+
 MOST_LINES = 20
 """Of what the run says, as many are kept to say why it failed."""
 
@@ -73,18 +76,18 @@ def is_run(folder: Path) -> bool:
     return (folder / MARKER).is_file() or (folder / FRAMES).is_file() or bool(runs_in(folder))
 
 
-def session_for(place: Path) -> Session | SweepSession:
+def session_for(place: Path) -> Seen:
     """What there is to see of a run or a sweep."""
     return SweepSession(place) if runs_in(place) else session_of(place)
 
 
-def look_on(session: Session | SweepSession, port: int, say: Callable[[str], None], *, browser: bool) -> None:
+def look_on(session: Seen, port: int, say: Callable[[str], None], *, browser: bool) -> None:
     """Serve the page until Ctrl-C. Raises InputError where the port cannot be had."""
     with contextlib.suppress(KeyboardInterrupt):
         asyncio.run(_serve(session, port, say, browser))
 
 
-async def _serve(session: Session | SweepSession, port: int, say: Callable[[str], None], browser: bool) -> None:
+async def _serve(session: Seen, port: int, say: Callable[[str], None], browser: bool) -> None:
     try:
         address = await session.server.start(port)
     except OSError as error:

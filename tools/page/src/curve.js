@@ -1,4 +1,4 @@
-// The partition curve: share to coarse against size, with its band, over points of the size classes.
+// The partition curve: share to a product against size, with its band, over points of the size classes.
 
 const ROOM = { left: 44, right: 12, top: 12, bottom: 34 };
 
@@ -18,6 +18,7 @@ function ticks(low, high) {
 export class Curve {
   constructor(canvas) {
     this.canvas = canvas;
+    this.product = "coarse";
     this.data = { curve: [], classes: [] };
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
@@ -65,7 +66,7 @@ export class Curve {
     pen.save();
     pen.translate(10, y(0.5));
     pen.rotate(-Math.PI / 2);
-    pen.fillText("share to coarse", 0, 0);
+    pen.fillText(`share to ${this.product}`, 0, 0);
     pen.restore();
   }
 

@@ -31,6 +31,7 @@ function start(message) {
   }
   page.column.stand(message.scene, message.walls);
   page.panel.start(message);
+  page.curve.product = message.scene.partition_to ?? message.scene.products.at(-1);
   page.curve.show({ curve: [], classes: [] });
   page.statistics = page.frame = null;
   page.frames = pastFrames.length = 0;
