@@ -152,7 +152,8 @@ class _Picture:
     def _draw_axes(self, sizes: tuple[float, float]) -> None:
         low, high = 1e6 * np.array(sizes)
         self.curve.set(xscale="log", xlim=(0.95 * low, 1.05 * high), ylim=(-0.02, 1.02))
-        self.curve.set(xlabel="size, µm", ylabel=f"share to {self.scene.partition_to}")
+        of_all = ", of all" if len(self.scene.materials) > 1 else ""
+        self.curve.set(xlabel="size, µm", ylabel=f"share to {self.scene.partition_to}{of_all}")
         ticks = [d * 10**k for k in range(-1, 6) for d in (1, 2, 3, 5)]
         shown = [tick for tick in ticks if 0.95 * low <= tick <= 1.05 * high]
         self.curve.set_xticks(shown, [f"{tick:g}" for tick in shown])

@@ -31,7 +31,8 @@ function start(message) {
   }
   page.column.stand(message.scene, message.walls);
   page.panel.start(message);
-  page.curve.product = message.scene.partition_to ?? message.scene.products.at(-1);
+  const several = message.scene.materials.length > 1;
+  page.curve.label = `share to ${message.scene.partition_to ?? message.scene.products.at(-1)}${several ? ", of all" : ""}`;
   page.curve.show({ curve: [], classes: [] });
   page.statistics = page.frame = null;
   page.frames = pastFrames.length = 0;

@@ -46,7 +46,7 @@ export class Panel {
     this.send = send;
     this.asked = { gas: 1, loading: 1, pause: false, speed: 1 };
     $("colour").onchange = () => { column.colourBy($("colour").value); this.legend(); };
-    $("slice").onchange = () => column.showGas($("slice").checked);
+    $("slice").onchange = () => { column.showGas($("slice").checked); this.gasScale(); };
     $("larger").oninput = () => column.enlarge(Number($("larger").value));
     $("pause").onclick = () => this.ask({ pause: !this.asked.pause });
     $("speed").onchange = () => this.ask({ speed: Number($("speed").value) });
@@ -96,13 +96,18 @@ export class Panel {
     $("time-now").textContent = `${frame.time.toFixed(2)} s`;
     if (document.activeElement !== $("time")) $("time").value = frame.time;
     $("inside").textContent = `${frame.count} parcels, ${digits(1000 * frame.inside)} g`;
-    $("fed").textContent = String(frame.fed);
+    $("fed").textContent = `${frame.fed} parcels`;
     $("pace").textContent = `${digits(pace, 2)} of real time`;
     $("rate").textContent = `${Math.round(rate)} a second`;
     $("gas-now").textContent = `${digits(frame.gas * this.about.gas_velocity_m_s)} m/s`;
-    $("slice-scale").textContent = $("slice").checked ? `0 to ${digits(this.column.slice.fastest / 1000, 2)} m/s` : "";
+    this.gasScale();
     $("lost-row").hidden = frame.lost === 0;
-    $("lost").textContent = String(frame.lost);
+    $("lost").textContent = `${frame.lost} parcels`;
+  }
+
+  gasScale() {
+    $("slice-scale").hidden = !$("slice").checked;
+    $("slice-high").textContent = `${digits(this.column.slice.fastest / 1000, 2)} m/s`;
   }
 
   statistics(data) {
