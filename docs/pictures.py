@@ -62,8 +62,8 @@ def picture_of_view(results: Path, to: Path) -> None:
         with Browser(1280, 950) as browser:
             browser.open(process.stdout.readline().strip())
             browser.wait("window.elutria && elutria.frames > 2")
-            middle = "[...document.querySelectorAll('#runs button')].at(runs / 2)"
-            middle = middle.replace("runs", "document.getElementById('runs').children.length")
+            buttons = "[...document.querySelectorAll('#runs button')]"
+            middle = f"{buttons}.find((button, k, all) => 2 * k + 1 >= all.length)"
             browser.ask(f"{middle}.click()")
             browser.wait(f"{middle}.ariaCurrent === 'true'")
             time.sleep(1)

@@ -32,8 +32,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
 )
-console = Console()
-errors = Console(stderr=True)
+console = Console(emoji=False)  # ":B:" of A:B:N is no picture
+errors = Console(stderr=True, emoji=False)
 state = {"debug": False}
 INTERRUPTED = 130
 """What typer makes of Ctrl-C."""

@@ -38,6 +38,11 @@ class Results:
 
 def read_results(folder: Path) -> Results:
     """The tables of RESULTS. Raises InputError when they are not there."""
+    if folder.is_dir() and not (folder / "summary.csv").exists():
+        raise InputError(
+            f"{folder}: has no summary.csv; allowed: results of 'elutria sweep' or 'elutria run', "
+            "or of a run after 'elutria classify'"
+        )
     summary = read_csv(folder / "summary.csv", tables.FIRST)
     partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
