@@ -37,18 +37,21 @@ def save(browser: Browser, to: Path, height: int) -> None:
     browser.picture(to)
     picture = Image.open(to).convert("RGB")
     picture = picture.crop((0, 0, picture.width, min(height, picture.height)))
-    picture.quantize(128, dither=Image.Dither.NONE).save(to, optimize=True)
+    picture.quantize(256, dither=Image.Dither.NONE).save(to, optimize=True)
     assert to.stat().st_size < LARGEST, f"{to}: {to.stat().st_size} bytes"
     print(to.relative_to(ROOT))
 
 
-def picture_of_page(command: str, results: Path, to: Path, width: int, height: int) -> None:
-    """The report or the atlas."""
+def picture_of_page(
+    command: str, results: Path, to: Path, size: tuple[int, int], state: str = ""
+) -> None:
+    """The report or the atlas, in a state of its sliders."""
+    width, height = size
     with tempfile.TemporaryDirectory() as folder, Browser(width, height + 150) as browser:
         page = Path(folder) / "page.html"
         if elutria(command, str(results), "--to", str(page)).wait() != 0:
             raise SystemExit(f"elutria {command} failed")
-        browser.open(page.as_uri())
+        browser.open(page.as_uri() + state)
         browser.wait("document.readyState === 'complete'")
         time.sleep(1)
         save(browser, to, height)
@@ -91,8 +94,9 @@ def main() -> None:
     """All three pictures."""
     results = Path(sys.argv[1])
     picture_of_view(results, ROOT / "docs/user/view.png")
-    picture_of_page("report", results, ROOT / "docs/report.png", 1060, 1300)
-    picture_of_page("atlas", results, ROOT / "docs/atlas.png", 1280, 1130)
+    picture_of_page("report", results, ROOT / "docs/report.png", (1060, 1300))
+    state = "#gas_velocity_m_s=5.5&quartz.d63=0.0007"
+    picture_of_page("atlas", results, ROOT / "docs/atlas.png", (1280, 1130), state)
 
 
 if __name__ == "__main__":
