@@ -456,10 +456,12 @@ def _show(tables: Classification, wide: bool, folder: Path) -> None:
     from elutria.output.plots import read_theory
     from elutria.output.settings import Settings
     from elutria.output.terminal import print_table, summary_table
+    from elutria.tables import product_names
 
     if tables.summary:
         settings = Settings(tables.summary, tables.partition)
-        table, keys = summary_table(tables.summary, settings, wide, read_theory(folder))
+        fines = product_names(tables.partition, tables.product_partition)["fines"]
+        table, keys = summary_table(tables.summary, settings, wide, read_theory(folder), fines)
         print_table(console, table, keys)
         if not wide:
             console.print("every column: summary.csv, or --wide", style="dim")

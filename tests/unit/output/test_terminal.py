@@ -98,6 +98,13 @@ def test_how_far_the_cut_is_from_that_of_the_terminal_velocity() -> None:
     assert max(len(line) for line in lines) <= 80
 
 
+@pytest.mark.parametrize("name, head", [("light", "light"), ("light + dust", "fines")])
+def test_a_product_has_the_name_of_the_case_where_it_is_short(name: str, head: str) -> None:
+    rows = [row(5, "quartz"), row(5, "all")]
+    table, _ = summary_table(rows, Settings(rows, rows), fines=name)
+    assert f"{head}\nshare" in [column.header for column in table.columns]
+
+
 def test_losses_are_a_column_where_there_are_any() -> None:
     rows = [row(5, "quartz"), row(5, "all")]
     assert "lost" not in printed(rows, 80)

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 TableColumn = tuple[str, Callable[[Row], str]]
 """A heading with its unit below, and the text of a row."""
+SHORT = 8
+"""Letters of a product's name in a head, at most."""
 CLOSE = (0, 0)
 """Padding with which one space parts columns, that of the box; else there are two or three."""
 
@@ -100,9 +102,14 @@ def _least_width(console: Console, table: Table) -> int:
 
 
 def summary_table(
-    rows: Sequence[Row], settings: Settings, wide: bool = False, theory: Sequence[Row] = ()
+    rows: Sequence[Row],
+    settings: Settings,
+    wide: bool = False,
+    theory: Sequence[Row] = (),
+    fines: str = "fines",
 ) -> tuple[Table, int]:
     """The summary, and how many of its columns say which row it is; `wide`: every column.
+    `fines`: what the case calls the product that is not the curve's.
 
     `all` is left out where there is one material. Units stand in the head. `theory` has the cut
     sizes of the terminal velocity; where they are known, a column says how far off d50 is.
@@ -116,7 +123,7 @@ def summary_table(
     if len(names) > 1:
         columns.append(("material", lambda row: str(row["material"])))
     number = len(columns)
-    columns += _all_columns() if wide else _main_columns(chosen)
+    columns += _all_columns() if wide else _main_columns(chosen, fines)
     free = {(row[VELOCITY], row["material"]): row["cut_size_m"] for row in theory}
     if keys == [VELOCITY] and any(_over(row, free) != "-" for row in chosen):
         columns.append(("to free\nfall %", lambda row: _over(row, free)))
@@ -136,7 +143,7 @@ def _setting_column(name: str) -> TableColumn:
     return ("U\nm/s" if name == VELOCITY else short(name), lambda row: shown(row[name]))
 
 
-def _main_columns(rows: Sequence[Row]) -> list[TableColumn]:
+def _main_columns(rows: Sequence[Row], fines: str) -> list[TableColumn]:
     """What fits into 80 characters; losses only where there are any."""
     columns: list[TableColumn] = [
         ("d25\num", lambda row: micrometres(row["d25_m"])),
@@ -144,7 +151,10 @@ def _main_columns(rows: Sequence[Row]) -> list[TableColumn]:
         ("95 % of d50\num", _interval),
         ("d75\num", lambda row: micrometres(row["d75_m"])),
         ("d25/\nd75", lambda row: _fixed(row["sharpness"], 3)),
-        ("fines\nshare", lambda row: _fixed(row["fines_yield"], 3)),
+        (
+            f"{fines if len(fines) <= SHORT else 'fines'}\nshare",
+            lambda row: _fixed(row["fines_yield"], 3),
+        ),
         ("fed\nnumber", lambda row: count(row["particles_fed"])),
     ]
     if any(row["particles_lost"] != 0 for row in rows):
