@@ -152,6 +152,8 @@ def test_a_page_that_is_one_file_plays_without_a_server(tmp_path: Path) -> None:
         browser.wait("window.elutria && elutria.frames > 3")
         browser.wait("elutria.statistics && elutria.statistics.parcels > 0")
         assert browser.ask("performance.getEntriesByType('resource').length") == 0
+        # its curves are fitted already: there is nobody to begin anew
+        assert browser.ask("document.getElementById('restart').offsetParent") is None
         assert browser.errors == []
 
 

@@ -27,9 +27,10 @@ MOST_LINES = 20
 
 
 class Run:
-    """`elutria run CASE --frames` beside this process; it ends with this process."""
+    """`elutria run CASE --frames` beside this process, with which it ends. What it says is shown
+    where it is `told`."""
 
-    def __init__(self, arguments: list[str], folder: Path):
+    def __init__(self, arguments: list[str], folder: Path, *, told: bool = False):
         self.folder = folder
         # of an earlier view: not to be taken for this run's
         for stale in (folder / FRAMES, folder / FINISHED):
@@ -40,8 +41,8 @@ class Run:
             command = ["setpriv", "--pdeathsig", "TERM", *command]
         self._lines: list[str] = []
         self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            text=True, errors="replace",
+            command, stdin=subprocess.DEVNULL, stdout=None if told else subprocess.DEVNULL,
+            stderr=subprocess.PIPE, text=True, errors="replace",
         )  # fmt: skip
 
     def ended(self) -> tuple[str, str] | None:
@@ -118,7 +119,7 @@ def view_case(
 
 def run_case_to_end(arguments: list[str], folder: Path) -> None:
     """Run a case and record it. Raises ElutriaError where it fails."""
-    running = Run(arguments, folder)
+    running = Run(arguments, folder, told=True)
     try:
         running.wait()
     finally:
