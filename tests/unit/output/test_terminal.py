@@ -105,6 +105,16 @@ def test_a_product_has_the_name_of_the_case_where_it_is_short(name: str, head: s
     assert f"{head}\nshare" in [column.header for column in table.columns]
 
 
+def test_an_interval_that_is_open_or_not_known_is_a_word() -> None:
+    rows = [row(u, name) for u in (5, 6) for name in ("quartz", "all")]
+    rows[0]["d50_high_m"] = float("inf")
+    rows[2] |= {"d50_low_m": float("nan"), "d50_high_m": float("nan")}
+    words = printed(rows, 80).split()
+    assert "1356..open" in words
+    assert "-" in words
+    assert "-..-" not in words
+
+
 def test_losses_are_a_column_where_there_are_any() -> None:
     rows = [row(5, "quartz"), row(5, "all")]
     assert "lost" not in printed(rows, 80)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import nan
+from math import isinf, nan
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -200,7 +200,9 @@ def count(number: float) -> str:
 
 
 def micrometres(value: float) -> str:
-    """A length (m) in um: to four digits, and to the whole um from 1 cm on."""
+    """A length (m) in um: to four digits, and to the whole um from 1 cm on; `open`: infinite."""
+    if isinf(value):
+        return "open"
     return "-" if value != value else f"{value * 1e6:{'.0f' if value >= 0.01 else '.4g'}}"
 
 
