@@ -141,8 +141,9 @@ class PageServer:
         self._clients.add(client)
         sender = asyncio.create_task(client.send_all())
         try:
-            async for message in connection:
-                self._listen(message)
+            with contextlib.suppress(ConnectionClosed):  # a browser that was killed
+                async for message in connection:
+                    self._listen(message)
         finally:
             self._clients.discard(client)
             sender.cancel()
