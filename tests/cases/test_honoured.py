@@ -97,6 +97,7 @@ def test_files_that_nothing_reads_are_named(tmp_path: Path) -> None:
     case = BoxCase(end=1e-3).make(tmp_path / "case")
     put(case, "constant/radiationProperties", "radiation off;")
     put(case, "system/scenePlann", "gas never;")
+    put(case, "system/frames", "record no;")
     put(case, "system/topoSetDict", "actions ();")
     put(case, "system/shared", "roomy 1;")
     (case / "system/controlDict").open("a").write('\n#include "shared"\n')

@@ -156,6 +156,33 @@ def test_the_shape_of_a_law_of_openfoam_is_known(column: Path) -> None:
     assert cuts[1] > 1.3 * cuts[0]
 
 
+@pytest.mark.parametrize(
+    "law, shape, warned",
+    [
+        ("SchillerNaumannDrag", "sphericity 0.8;", True),
+        ("SchillerNaumannDrag", "sphericity 1;", False),
+        ("HaiderLevenspielDrag", "sphericity 0.8;", False),
+        ("nonSphereDrag { phi 0.8; } //", "sphericity 0.8;", False),
+        ("SchillerNaumannDrag", "flatness 0.5; elongation 0.8;", True),
+    ],
+)
+def test_a_shape_that_the_drag_does_not_know_is_said(
+    column: Path, law: str, shape: str, warned: bool
+) -> None:
+    for file, old, new in (
+        ("constant/kinematicCloudProperties", "SchillerNaumannDrag", law),
+        ("constant/feed", "sphericity      1;", shape),
+    ):
+        text = (column / file).read_text()
+        assert old in text
+        (column / file).write_text(text.replace(old, new))
+    said = [line for line in ask_plan(Case(column))["warnings"] if "as spheres" in line]
+    assert len(said) == warned
+    if warned:
+        assert "SchillerNaumannDrag" in said[0]
+        assert "HaiderLevenspielDrag" in said[0]
+
+
 def test_what_the_solver_refuses_is_one_line_of_bad_input(
     column: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -120,6 +120,12 @@ def test_bad_input_is_code_2_and_one_line(
     assert "Traceback" not in outcome.err
 
 
+def test_colons_of_a_message_are_no_picture(
+    capsys: pytest.CaptureFixture[str], column: Path
+) -> None:
+    assert "A:B:N" in call(capsys, "run", str(column), "--velocity", "-3").err
+
+
 def test_debug_shows_where_it_came_from(capsys: pytest.CaptureFixture[str]) -> None:
     outcome = call(capsys, "check", "nowhere", "--debug")
     assert outcome.code == 2

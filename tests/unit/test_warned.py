@@ -29,7 +29,7 @@ def test_a_line_for_each_kind_names_the_runs_and_the_worst() -> None:
     heavier = Warned(**{**vars(HEAVY), "how_much": "30 %, allowed: 10 %", "size": 0.3})
     lines = grouped({"3 m/s": [HEAVY], "5 m/s": [heavier, INSIDE], "7 m/s": []})
     assert lines == [
-        "3 m/s, 5 m/s: parcels are heavy: 30 %, allowed: 10 %; feed more (worst at 5 m/s)",
+        "3 m/s; 5 m/s: parcels are heavy: 30 %, allowed: 10 %; feed more (worst at 5 m/s)",
         "5 m/s: some is inside: 2 %; increase drainTime",
     ]
 

@@ -32,8 +32,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
 )
-console = Console()
-errors = Console(stderr=True)
+console = Console(emoji=False)  # ":B:" of A:B:N is no picture
+errors = Console(stderr=True, emoji=False)
 state = {"debug": False}
 INTERRUPTED = 130
 """What typer makes of Ctrl-C."""
@@ -345,7 +345,7 @@ def compare(
 @app.command(epilog="Example: elutria view cases/column --velocity 5")
 def view(
     place: Annotated[
-        Path, typer.Argument(help="A case, which is run; or a run, live or recorded.")
+        Path, typer.Argument(help="A case, which is run; or a run or a sweep, live or recorded.")
     ],
     to: Annotated[Path | None, typer.Option(help="Folder of the run of a case.")] = None,
     velocity: Annotated[float | None, typer.Option(help="Gas velocity, m/s.")] = None,
@@ -364,6 +364,7 @@ def view(
 
     if film is not None:
         films.check_film(film)
+        films.require_one(place)
     run = place
     if not viewing.is_run(place):
         run = viewing.folder_for(place, to)
@@ -374,7 +375,7 @@ def view(
             return
         viewing.run_case_to_end(arguments, run)
     if film is None:
-        viewing.look_on(viewing.session_of(run), port, _say, browser=browser)
+        viewing.look_on(viewing.session_for(run), port, _say, browser=browser)
         return
     from elutria.running.progress import ProgressDisplay
 
@@ -455,10 +456,12 @@ def _show(tables: Classification, wide: bool, folder: Path) -> None:
     from elutria.output.plots import read_theory
     from elutria.output.settings import Settings
     from elutria.output.terminal import print_table, summary_table
+    from elutria.tables import product_names
 
     if tables.summary:
         settings = Settings(tables.summary, tables.partition)
-        table, keys = summary_table(tables.summary, settings, wide, read_theory(folder))
+        fines = product_names(tables.partition, tables.product_partition)["fines"]
+        table, keys = summary_table(tables.summary, settings, wide, read_theory(folder), fines)
         print_table(console, table, keys)
         if not wide:
             console.print("every column: summary.csv, or --wide", style="dim")

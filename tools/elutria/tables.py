@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 EVENTS = (
@@ -97,6 +97,22 @@ def setting(row: Mapping[str, Any]) -> tuple[Any, ...]:
     return (row[VELOCITY], *(row[name] for name in axes([row])))
 
 
+def product_names(
+    partition: Sequence[Mapping[str, Any]], product_partition: Sequence[Mapping[str, Any]]
+) -> dict[str, str]:
+    """What a case calls the product of the curve, `coarse` in partition.csv, and all the others
+    together, `fines` there. By their masses; as they are where product_partition.csv is empty."""
+    masses: dict[str, float] = {}
+    for row in product_partition:
+        if row["material"] == "all":
+            masses[row["product"]] = masses.get(row["product"], 0.0) + row["product_kg"]
+    if not masses:
+        return {"fines": "fines", "coarse": "coarse"}
+    mass = sum(row["coarse_kg"] for row in partition if row["material"] == "all")
+    coarse = min(reversed(masses), key=lambda name: abs(masses[name] - mass))
+    return {"fines": " + ".join(name for name in masses if name != coarse), "coarse": coarse}
+
+
 def short(name: str) -> str:
     """FILE:ENTRY without what the eye can do without: `loading`, `quartz/density`."""
     entry = name.rpartition(":")[2]
@@ -105,11 +121,12 @@ def short(name: str) -> str:
 
 def title(row: Mapping[str, Any]) -> str:
     """`5 m/s`, `5 m/s, loading 0.2`."""
-    return ", ".join(
-        [f"{row[VELOCITY]:g} m/s", *(f"{short(name)} {shown(row[name])}" for name in axes([row]))]
-    )
+    varied = [f"{short(name)} {shown(row[name])}" for name in axes([row])]
+    return ", ".join([f"{shown(row[VELOCITY])} m/s", *varied])
 
 
 def shown(value: Any) -> str:
-    """A cell as it is read: `0.2`, `evenSizes`."""
-    return f"{value:g}" if isinstance(value, (int, float)) else str(value)
+    """A cell as it is read: `0.2`, `evenSizes`; whole numbers with all their digits."""
+    if not isinstance(value, (int, float)):
+        return str(value)
+    return f"{value:.15g}" if float(value).is_integer() else f"{value:g}"

@@ -79,5 +79,5 @@ def grouped(runs: Mapping[str, Iterable[Warned]]) -> list[str]:
     for by_run in kinds.values():
         worst = max(by_run, key=lambda run: by_run[run].size)
         at_worst = f" (worst at {worst})" if len(by_run) > 1 else ""
-        lines.append(f"{', '.join(by_run)}: {by_run[worst].text}{at_worst}")
+        lines.append(f"{'; '.join(by_run)}: {by_run[worst].text}{at_worst}")
     return lines

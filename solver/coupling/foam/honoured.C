@@ -39,6 +39,8 @@ const std::vector<honoured::Item> all =
     {kind::file, "system/fvOptions", use::works, ""},
     {kind::file, "system/scenePlan", use::works, ""},
     {kind::file, "system/decomposeParDict", use::works, ""},
+    {kind::file, "system/frames", use::works, ""},
+    {kind::file, "system/steering", use::works, ""},
     {kind::file, "system/.*MeshDict.*", use::others, ""},
     {kind::file, "system/meshDict", use::others, ""},
     {kind::file, "system/meshQualityDict.*", use::others, ""},

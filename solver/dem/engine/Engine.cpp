@@ -123,8 +123,8 @@ void warn(const Settings& settings, StepReport& report, bool& warnedOfSeparation
     if (report.largestOverlap > settings.largestOverlap)
     {
         report.warnings.push_back({"overlap", "contacts are too soft for these speeds",
-            "overlap of " + text(100*report.largestOverlap) + " % of a particle's radius, allowed: "
-            + text(100*settings.largestOverlap) + " %",
+            "overlap of " + text(std::round(1e4*report.largestOverlap)/100)
+            + " % of a particle's radius, allowed: " + text(100*settings.largestOverlap) + " %",
             "raise youngsModulus or normalStiffness, unless particles were inserted into each other",
             report.largestOverlap});
     }

@@ -42,3 +42,5 @@ def test_a_size_that_the_curve_does_not_reach_is_said() -> None:
     said = float(warning.how_much.split("left, ")[1].split(" %")[0])
     assert said == pytest.approx(finest, rel=1e-2)
     assert finest > 25
+    (warning,) = absent(tables.summary, tables.curves, "heavy")
+    assert warning.how_much.endswith("go to heavy")

@@ -232,3 +232,35 @@ def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> N
     plots._caption(figure, found.settings, found.summary)
     (said,) = [text.get_text() for text in figure.findobj(Text) if text.get_text()]
     assert said.endswith(": 4 m/s")
+
+
+def test_axes_keep_their_labels_beside_warnings(tmp_path: Path) -> None:
+    for velocities in ([5.0], [4.0, 4.5, 5.0, 5.5], [3 + 0.5 * k for k in range(9)]):
+        found = plots.read_results(results(tmp_path, velocities, ["quartz"]))
+        for row in found.summary:
+            row["warnings"] = 1.0
+        figure = plots.figures(found)["size_distributions"][0]
+        labels = [axes.get_xlabel() for axes in figure.axes if axes.get_xlabel()]
+        across = {1: 1, 4: 2, 9: 3}[len(velocities)]
+        assert len(labels) == across
+        assert all("µm" in label for label in labels)
+
+
+def test_products_have_the_names_of_the_case(tmp_path: Path) -> None:
+    """Three products, of which the curve is that of the second."""
+    folder = results(tmp_path, [4.0, 5.0], ["quartz"])
+    rows = []
+    for row in read_csv(folder / "partition.csv", tables.PARTITION):
+        masses = {"light": 0.6 * row["fines_kg"], "heavy": row["coarse_kg"],
+                  "dust": 0.4 * row["fines_kg"]}  # fmt: skip
+        for name, mass in masses.items():
+            own = {"material": row["material"], "product": name, "product_kg": mass}
+            rows.append(dict.fromkeys(tables.PRODUCT_PARTITION, 0.0) | own)
+    write_csv(folder / "product_partition.csv", tables.PRODUCT_PARTITION, rows)
+    found = plots.read_results(folder)
+    assert found.products == {"fines": "light + dust", "coarse": "heavy"}
+    figures = plots.figures(found)
+    assert "to heavy" in figures["partition_curves"][0].axes[0].get_ylabel()
+    words = {text.get_text() for text in figures["size_distributions"][0].findobj(Text)}
+    assert {"feed", "light + dust", "heavy"} <= words
+    assert not {"fines", "coarse"} & words

@@ -24,7 +24,7 @@ def row(velocity: float, material: str) -> dict[str, object]:
 
 WORDS = [
     "12.3456", "magnetite-of-the-second-feed", "1234", "1358", "1356..1360", "1468", "0.841",
-    "0.457", "12345678", "d25", "d50", "95 % of d50", "d75", "d25/d75", "fines", "fed", "m/s", "um",
+    "0.457", "12345678", "d25", "d50", "95 % of d50", "d75", "d25/", "fines", "fed", "m/s", "um",
     "number",
 ]  # fmt: skip
 
@@ -61,6 +61,31 @@ def test_several_materials_fit_into_80_characters() -> None:
     assert text.count("magnetite") == 1
 
 
+@pytest.mark.parametrize("varied", [{}, {"system/simulationParameters:loading": 0.25}])
+def test_all_columns_fit_into_80_characters(varied: dict[str, object]) -> None:
+    """Of three materials, with warnings, and with the free fall or one more setting."""
+    names = ("quartz", "magnetite", "coal", "all")
+    rows = [row(u, name) | {"warnings": 2} | {k: v * u for k, v in varied.items()}
+            for u in (4.5, 5.0) for name in names]  # fmt: skip
+    theory: list[dict[str, object]] = [
+        {"gas_velocity_m_s": 4.5, "material": "coal", "cut_size_m": 1e-3}
+    ]
+    lines = printed(rows, 80, theory=theory).splitlines()
+    assert max(len(line) for line in lines) <= 80
+    assert sum("coal" in line for line in lines) == 2  # in one part
+    head = " ".join(lines[1:3])
+    for word in ("warnings", "d25/", "95 % of d50", "loading" if varied else "to free"):
+        assert word in head
+
+
+def test_large_numbers_keep_all_digits() -> None:
+    rows = [row(5, name) | {"constant/feed:seed": seed, "d75_m": 0.123456}
+            for seed in (12345678, 12345679) for name in ("quartz", "all")]  # fmt: skip
+    text = printed(rows, 80)
+    for word in ("12345678", "12345679", "123456"):
+        assert word in text.split()
+
+
 def test_how_far_the_cut_is_from_that_of_the_terminal_velocity() -> None:
     rows = [row(4.5, name) for name in ("quartz", "magnetite", "coal", "all")]
     theory = [{"gas_velocity_m_s": 4.5, "material": "quartz", "cut_size_m": 1000e-6},
@@ -71,6 +96,23 @@ def test_how_far_the_cut_is_from_that_of_the_terminal_velocity() -> None:
     # 1357.9 um are 35.8 % above 1000 and 9.5 % below 1500
     assert found == {"quartz": "+35.8", "magnetite": "-", "coal": "-9.5", "all": "-"}
     assert max(len(line) for line in lines) <= 80
+
+
+@pytest.mark.parametrize("name, head", [("light", "light"), ("light + dust", "fines")])
+def test_a_product_has_the_name_of_the_case_where_it_is_short(name: str, head: str) -> None:
+    rows = [row(5, "quartz"), row(5, "all")]
+    table, _ = summary_table(rows, Settings(rows, rows), fines=name)
+    assert f"{head}\nshare" in [column.header for column in table.columns]
+
+
+def test_an_interval_that_is_open_or_not_known_is_a_word() -> None:
+    rows = [row(u, name) for u in (5, 6) for name in ("quartz", "all")]
+    rows[0]["d50_high_m"] = float("inf")
+    rows[2] |= {"d50_low_m": float("nan"), "d50_high_m": float("nan")}
+    words = printed(rows, 80).split()
+    assert "1356..open" in words
+    assert "-" in words
+    assert "-..-" not in words
 
 
 def test_losses_are_a_column_where_there_are_any() -> None:

@@ -143,7 +143,7 @@ def test_the_command_makes_the_same_runs(made: Path, tmp_path: Path) -> None:
     text = write_report(made, tmp_path / "page.html").read_text()
     assert (
         "<pre>elutria sweep column --velocity 5,6,7 "
-        "--set system/simulationParameters:particles=800 --to column</pre>" in text
+        "--set system/simulationParameters:particles=800 --to results/column</pre>" in text
     )
 
 

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import fcntl
+import shutil
 import socket
+import subprocess
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image, ImageSequence
 
 from elutria.case.case import Case
 from elutria.cli import main
 from elutria.running.run import _steered
-from elutria.viewing.film import RATE, record
-from elutria.viewing.view import is_going_on
+from elutria.viewing.film import RATE, SIZE, record
+from elutria.viewing.sessions import is_going_on
 from tests.support.frames import falling, write_run
 
 
@@ -31,7 +35,7 @@ def test_what_is_no_case_and_no_run(tmp_path: Path, capsys: pytest.CaptureFixtur
     for name in ("U5", "U6"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "elutria.json").write_text("{}")
-    assert "one of them (U5, U6)" in refused(capsys, str(tmp_path))
+    assert "none of its 2 runs has recorded frames" in refused(capsys, str(tmp_path))
     assert "no frames were recorded" in refused(capsys, str(tmp_path / "U5"))
 
 
@@ -79,6 +83,27 @@ def test_a_gif_has_the_recording_s_length_and_moves(tmp_path: Path) -> None:
     assert length == pytest.approx(0.55 / 0.5, abs=2 / RATE)
     assert len(set(pictures)) == 12
     assert shares[-1] == 1
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg: apt-get install ffmpeg")
+def test_an_mp4_opens_and_has_the_frames(tmp_path: Path) -> None:
+    """Decoded again: as many pictures as the recording is long, with each frame in them."""
+    run = write_run(tmp_path / "run", falling(12))
+    record(run, tmp_path / "film.mp4", 0.5, lambda _: None)
+    size = (int(100 * SIZE[0]), int(100 * SIZE[1]))
+    decoded = subprocess.run(
+        ["ffmpeg", "-v", "error", "-i", tmp_path / "film.mp4", "-f", "rawvideo", "-pix_fmt",
+         "rgb24", "-"], capture_output=True, check=True,
+    )  # fmt: skip
+    assert decoded.stderr == b""
+    pictures = np.frombuffer(decoded.stdout, np.uint8).reshape(-1, size[1], size[0], 3)
+    # 0.55 s of the run at half speed
+    assert len(pictures) == pytest.approx(0.55 / 0.5 * RATE + 1, abs=1)
+    sides = pictures[:, :, : size[0] // 5].astype(int)  # the column, not the curve
+    moved = [np.abs(after - before).max() > 150 for before, after in pairwise(sides)]
+    assert sum(moved) == 11  # twelve frames were recorded, each is there
+    orange = sides[5][..., 0] - sides[5][..., 2] > 80  # colours are half as sharp as shapes
+    assert orange.sum() > 1000  # 200 parcels
 
 
 def test_a_run_goes_on_while_its_folder_is_locked(tmp_path: Path) -> None:

@@ -114,6 +114,35 @@ def test_a_recording_plays_and_obeys(tmp_path: Path) -> None:
         assert browser.errors == []
 
 
+def test_a_run_of_a_sweep_is_chosen(tmp_path: Path) -> None:
+    for name, parcels in (("U5", 80), ("U6", 120)):
+        run = write_run(tmp_path / name, falling(80, parcels))
+        (run / "elutria.json").write_text(json.dumps({"case": name}))
+    (tmp_path / "U7").mkdir()
+    (tmp_path / "U7/elutria.json").write_text("{}")
+    with viewed(str(tmp_path)) as (address, _), Browser() as browser:
+        browser.open(address)
+        browser.wait("window.elutria && elutria.frames > 3")
+        assert browser.ask("document.getElementById('name').textContent") == "U5"
+        assert browser.ask("elutria.frame.fed") <= 80
+        buttons = browser.ask(
+            "[...document.querySelectorAll('#runs button')].map(b => [b.textContent, b.disabled])"
+        )
+        assert buttons == [["U5", False], ["U6", False], ["U7", True]]
+        choose(browser, "colour", "fate")
+        browser.ask("document.querySelectorAll('#runs button')[1].click()")
+        browser.wait("document.getElementById('name').textContent === 'U6'", 20)
+        browser.wait("elutria.frame && elutria.frame.count > 80", 20)
+        browser.wait("document.querySelector('#runs [aria-current=true]').textContent === 'U6'")
+        ends = browser.ask("[...elutria.column.particles.fates]")
+        assert ends == Recording(tmp_path / "U6").fates().tolist()
+        # what was chosen for the run before holds for this one
+        assert browser.ask("elutria.column.particles.material.uniforms.colouring.value") == 3
+        shot = browser.picture()[:, :890]
+        assert (np.abs(shot.astype(int) - shot[2, 2]).max(axis=2) > 60).sum() > 500
+        assert browser.errors == []
+
+
 def test_a_page_that_is_one_file_plays_without_a_server(tmp_path: Path) -> None:
     run = write_run(tmp_path / "falling", falling(count=80))
     page = tmp_path / "film.html"
@@ -123,6 +152,8 @@ def test_a_page_that_is_one_file_plays_without_a_server(tmp_path: Path) -> None:
         browser.wait("window.elutria && elutria.frames > 3")
         browser.wait("elutria.statistics && elutria.statistics.parcels > 0")
         assert browser.ask("performance.getEntriesByType('resource').length") == 0
+        # its curves are fitted already: there is nobody to begin anew
+        assert browser.ask("document.getElementById('restart').offsetParent") is None
         assert browser.errors == []
 
 

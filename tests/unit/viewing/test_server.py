@@ -199,3 +199,20 @@ def test_wishes_reach_the_session_and_rubbish_does_not() -> None:
 
     served(talk, wishes)
     assert wishes == [{}, {"control": {"gas": 2}}]
+
+
+def test_a_browser_that_is_killed_leaves_no_traceback(caplog: pytest.LogCaptureFixture) -> None:
+    async def talk(server: PageServer, address: str) -> None:
+        origin = address.rpartition("/")[0].rpartition("/")[0]
+        page = await connect(f"ws{address[4:]}stream", origin=origin)
+        page.transport.abort()
+        for _ in range(100):
+            server.show(Frame(frame(0.0, [(1, (0.5, 0.5, 0.5), 0.001, 0.0)])))
+            await asyncio.sleep(0.01)
+            if not server.watched:
+                break
+        assert not server.watched
+
+    served(talk)
+    assert "Traceback" not in caplog.text
+    assert "failed" not in caplog.text

@@ -48,7 +48,8 @@ class Classification:
     @property
     def notes(self) -> list[Warned]:
         """What a user must know of these rows, which are of one velocity."""
-        return notes(self.summary, self.partition, self.curves)
+        names = tables.product_names(self.partition, self.product_partition)
+        return notes(self.summary, self.partition, self.curves, names["coarse"])
 
     def extend(self, other: Classification) -> None:
         """Append another point's rows."""

@@ -13,9 +13,10 @@ def notes(
     summary: Iterable[Mapping[str, Any]],
     partition: Iterable[Mapping[str, Any]],
     curves: Iterable[Mapping[str, Any]],
+    coarse: str = "coarse",
 ) -> list[Warned]:
-    """The warnings that follow from the rows of one gas velocity."""
-    return [*inside(partition), *absent(summary, curves)]
+    """The warnings that follow from the rows of one gas velocity. `coarse`: the curve's product."""
+    return [*inside(partition), *absent(summary, curves, coarse)]
 
 
 def inside(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[Warned]:
@@ -47,7 +48,9 @@ def inside(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[
 
 
 def absent(
-    summary: Iterable[Mapping[str, Any]], curves: Iterable[Mapping[str, Any]]
+    summary: Iterable[Mapping[str, Any]],
+    curves: Iterable[Mapping[str, Any]],
+    coarse: str = "coarse",
 ) -> list[Warned]:
     """A warning for each curve that lacks d25, d50 or d75. Rows of one gas velocity."""
     found = []
@@ -67,7 +70,7 @@ def absent(
                     what=f"the curve of {row['material']} has no {', '.join(missing)}",
                     how_much=f"of the sizes that left, {100 * share[0]:.3g} % of "
                     f"{1e6 * size[0]:.4g} um and {100 * share[1]:.3g} % of {1e6 * size[1]:.4g} um "
-                    "go to coarse",
+                    f"go to {coarse}",
                     what_to_set="feed sizes on both sides of the cut (sizeDistribution of "
                     "constant/feed), or choose another gas velocity",
                     size=len(missing),

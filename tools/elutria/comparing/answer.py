@@ -63,7 +63,7 @@ def write_comparison(
     title = f"{results.settings.label(setting)}, {name}"
     curve = [row for row in results.settings.select(results.curves, setting) if
              row["material"] == name]  # fmt: skip
-    figure = comparison_figure(found, curve, title)
+    figure = comparison_figure(found, curve, title, results.products["coarse"])
     write_csv(to / f"{NAME}.csv", tables.COMPARISON, _rows(found))
     left_out = measured.share.size - kept.share.size
     write_json(to / f"{NAME}.json", _content(found, results, setting, name, file, left_out))

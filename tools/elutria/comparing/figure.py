@@ -16,7 +16,9 @@ OURS, THEIRS = MATERIAL_COLOURS[:2]
 LIMIT = 1.959964
 
 
-def comparison_figure(found: Comparison, curve: list[Row], title: str) -> Figure:
+def comparison_figure(
+    found: Comparison, curve: list[Row], title: str, coarse: str = "coarse"
+) -> Figure:
     """The curve's rows (curve.csv) with their band, the measurement over them with its bars; below,
     the differences over their standard deviations, or alone where the measurement's is unknown."""
     with mpl.rc_context(STYLE):
@@ -42,7 +44,7 @@ def comparison_figure(found: Comparison, curve: list[Row], title: str) -> Figure
             labels.append("computed, class mean")
         above.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
         above.set_ylim(-0.03, 1.03)
-        above.set_ylabel("mass share to coarse  $T$")
+        above.set_ylabel(f"mass share to {coarse}  $T$")
         above.text(0.03, 0.94, title, transform=above.transAxes, va="top", fontsize=7)
         known = measured.deviation is not None
         off = found.standardised if known else found.ours - share

@@ -47,10 +47,17 @@ def report(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool) -
 
 
 def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(
+        title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True
+    )
     for column in columns:
         table.add_column(column, overflow="fold")
     return table
+
+
+def _round(value: float) -> str:
+    """A number to three digits, in full where it is one that people read so."""
+    return f"{float(f'{value:.3g}'):.15g}" if 1e3 <= value < 1e7 else f"{value:.3g}"
 
 
 def _known(value: float | None, text: str) -> str:
@@ -81,15 +88,15 @@ def _setting(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool)
     table.add_row("feed", grams, "constant/feed")
     if rate is not None:
         table.add_row(
-            "", f"{feed['particles_per_s']:.3g} particles per s, "
+            "", f"{_round(feed['particles_per_s'])} particles per s, "
             f"{feed['particles_per_parcel']:.3g} a parcel on average", "",
         )  # fmt: skip
     table.add_row("fed", f"from {feed['start_s']:g} s to {feed['end_s']:g} s", "constant/feed")
     if feed["parcels"] is not None:
         more = feed["parcels"] > feed["parcels_asked"]
         follows = " (more than asked for, to collide as particles do)" if more else ""
-        table.add_row("parcels", f"{feed['parcels']:g}{follows}", "constant/feed")
-    table.add_row("seed", f"{feed['seed']:g}", "constant/feed")
+        table.add_row("parcels", f"{feed['parcels']:.0f}{follows}", "constant/feed")
+    table.add_row("seed", f"{feed['seed']:.0f}", "constant/feed")
     return table
 
 
@@ -124,7 +131,8 @@ def _limits(plan: dict[str, Any]) -> Table:
     table = _table("Limits", "what", "number", "what follows")
     mesh, step, expected = plan["mesh"], plan["step"], plan["expected"]
     small, large = mesh["smallest_cell_m"], mesh["largest_cell_m"]
-    table.add_row("cells", f"{mesh['cells']:g}", f"{small * 1e3:.3g} .. {large * 1e3:.3g} mm")
+    ends = dict.fromkeys(f"{size * 1e3:.3g}" for size in (small, large))
+    table.add_row("cells", f"{mesh['cells']:.0f}", f"{' .. '.join(ends)} mm")
     share = max(material["largest_m"] for material in plan["feed"]["materials"]) / small
     follows = "void fraction is spread over a kernel" if share > 0.3 else "a cell holds several"
     table.add_row("largest particle over cell", f"{share:.2g}", follows)
@@ -153,8 +161,10 @@ def _expected(plan: dict[str, Any]) -> Table:
     table.add_row(
         "loading", _known(expected["loading"], "{:.3g} kg solids per kg gas"), "",
     )  # fmt: skip
-    inside = _known(expected["particles_inside"], "{:.3g}")
-    table.add_row("particles inside", inside, _known(gas["through_time_s"], "{:.2g} s each"))
+    inside = expected["particles_inside"]
+    number = "" if inside is None else _round(inside)
+    time = _known(gas["through_time_s"], "{:.2g} s each")
+    table.add_row("particles inside", _known(inside, number), time)
     solids = expected["solid_fraction"]
     dense = solids is not None and solids >= 1e-3
     table.add_row(

@@ -32,14 +32,16 @@ def contour_settings(settings: Settings, rows: Sequence[Row]) -> Names | None:
     return (names[0], names[1]) if spread[-1] > 1e-6 * spread[0] else None
 
 
-def contour_figure(settings: Settings, rows: Sequence[Row], names: Names) -> Figure:
-    """d50 of each material and the yield of fines over the settings `names`.
+def contour_figure(
+    settings: Settings, rows: Sequence[Row], names: Names, fines: str = "fines"
+) -> Figure:
+    """d50 of each material and the yield of `fines` over the settings `names`.
 
     Between the points it is linear; beyond them nothing is drawn.
     """
     materials = materials_of(rows)
     panels = [(name, "d50_m", 1e6, f"$d_{{50}}$ (µm){_of(name, materials)}") for name in materials]
-    panels.append(("all", "fines_yield", 1.0, "yield of fines"))
+    panels.append(("all", "fines_yield", 1.0, f"yield of {fines}"))
     figure, axes = new_figure(58 * len(panels), len(panels), sharex=True)
     for place, (material, name, scale, title) in zip(axes, panels, strict=True):
         known = [row for row in rows if row["material"] == material and np.isfinite(row[name])]

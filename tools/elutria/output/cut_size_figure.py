@@ -55,9 +55,15 @@ def _draw(axes: Axes, rows: list[Row], along: str, number: int) -> None:
     bars = np.array([cut - low, high - cut])
     bars[~np.isfinite(bars)] = 0  # an interval that is open at this end
     axes.errorbar(
-        at, cut, yerr=np.maximum(bars, 0), fmt=MARKERS[number % len(MARKERS)], ms=3.4, mew=0.4,
-        mec="white", color=colour, capsize=2, elinewidth=0.8, capthick=0.8,
+        at, cut, yerr=np.maximum(bars, 0), fmt=MARKERS[number % len(MARKERS)], color=colour,
+        capsize=2, elinewidth=0.8, capthick=0.8, **_marks(number),
     )  # fmt: skip
+
+
+def _marks(number: int) -> dict[str, Any]:
+    """Marks of a series: those of all but the first are hollow, and hide none below them."""
+    full = {"ms": 3.4, "mew": 0.4, "mec": "white"}
+    return full if number == 0 else {"ms": 4.2 + 0.8 * (number - 1), "mew": 0.9, "mfc": "none"}
 
 
 def _draw_theory(axes: Axes, materials: list[str], lines: list[Row], drawn: list[str]) -> None:
@@ -99,6 +105,8 @@ def _legend(figure: Figure, names: list[str], lines: list[Row]) -> None:
     for number, name in enumerate(names):
         shade = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
         marker = MARKERS[number % len(MARKERS)]
-        handles.append(Line2D([], [], color=shade, marker=marker, ms=3.4, linestyle="none"))
+        handles.append(
+            Line2D([], [], color=shade, marker=marker, linestyle="none", **_marks(number))
+        )
         labels.append(name)
     legend_above(figure, handles, labels)

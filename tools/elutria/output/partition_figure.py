@@ -25,7 +25,7 @@ TICK = "0.1"
 
 
 def partition_figure(
-    settings: Settings, partition: list[Row], curves: list[Row]
+    settings: Settings, partition: list[Row], curves: list[Row], coarse: str = "coarse"
 ) -> tuple[Figure, list[Row]]:
     """One panel per material, and the rows that are drawn, with the curve's mean over each class.
 
@@ -49,7 +49,7 @@ def partition_figure(
             _draw_classes(axes, shown, look, f"setting{k}-{material}")
         axes.axhline(0.5, color="0.6", linewidth=0.5, linestyle=":", zorder=0)
         axes.set_ylim(-0.03, 1.03)
-        axes.set_ylabel("mass share to coarse  $T$")
+        axes.set_ylabel(f"mass share to {coarse}  $T$")
         if len(materials) > 1:
             axes.text(0.03, 0.93, material, transform=axes.transAxes, va="top")
         size_axis(axes, *_range(drawn or partition))

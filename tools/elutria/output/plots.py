@@ -32,17 +32,26 @@ class Results:
     curves: list[Row]
     theory: list[Row]
     settings: Settings
+    products: dict[str, str]
+    """What the case calls `fines` and `coarse`."""
 
 
 def read_results(folder: Path) -> Results:
     """The tables of RESULTS. Raises InputError when they are not there."""
+    if folder.is_dir() and not (folder / "summary.csv").exists():
+        raise InputError(
+            f"{folder}: has no summary.csv; allowed: results of 'elutria sweep' or 'elutria run', "
+            "or of a run after 'elutria classify'"
+        )
     summary = read_csv(folder / "summary.csv", tables.FIRST)
     partition = read_csv(folder / "partition.csv", tables.PARTITION)
     if not summary or not partition:
         raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
     curves = optional(folder / "curve.csv", tables.CURVE)
     lines = read_theory(folder)
-    return Results(summary, partition, curves, lines, Settings(summary, partition))
+    by_product = optional(folder / "product_partition.csv", tables.PRODUCT_PARTITION)
+    products = tables.product_names(partition, by_product)
+    return Results(summary, partition, curves, lines, Settings(summary, partition), products)
 
 
 def read_theory(folder: Path) -> list[Row]:
@@ -76,13 +85,17 @@ def save_styled(figure: Figure, path: Path) -> Path:
 
 def figures(results: Results) -> dict[str, tuple[Figure, list[str], list[Row]]]:
     """Each figure by its name, with the columns and rows of what it shows."""
-    settings = results.settings
+    settings, products = results.settings, results.products
     with mpl.rc_context(STYLE):
-        curves, classes = partition_figure(settings, results.partition, results.curves)
-        sizes, steps = size_figure(settings, results.partition)
+        curves, classes = partition_figure(
+            settings, results.partition, results.curves, products["coarse"]
+        )
+        sizes, steps = size_figure(settings, results.partition, products)
         cut = cut_size_figure(settings, results.summary, results.theory)
         over = contour_settings(settings, results.summary)
-        contours = contour_figure(settings, results.summary, over) if over else None
+        contours = (
+            contour_figure(settings, results.summary, over, products["fines"]) if over else None
+        )
     own = settings.columns
     amounts = [f"{name}_per_decade" for name in products_of(results.partition)]
     drawn = {
@@ -101,7 +114,7 @@ def _caption(figure: Figure, settings: Settings, summary: list[Row]) -> None:
     """Below a figure: which runs have warnings."""
     warned = {settings.of(row) for row in summary if row.get("warnings", 0) > 0}
     if warned:
-        runs = ", ".join(settings.label(one) for one in settings.all if one in warned)
+        runs = "; ".join(settings.label(one) for one in settings.all if one in warned)
         said = f"With warnings (warnings.json of the runs): {runs}"
         figure.supxlabel(said, fontsize=6, color="0.35", wrap=True)
 

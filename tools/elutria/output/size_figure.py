@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,11 @@ ONE_COLUMN = 3
 """Up to so many settings, the panels stand above each other; more are small multiples."""
 
 
-def size_figure(settings: Settings, partition: list[Row]) -> tuple[Figure, list[Row]]:
-    """Mass per decade of size, relative to the feed's, and the rows that are drawn."""
+def size_figure(
+    settings: Settings, partition: list[Row], names: Mapping[str, str]
+) -> tuple[Figure, list[Row]]:
+    """Mass per decade of size, relative to the feed's, and the rows that are drawn. `names`: of
+    the products, as the case has them."""
     products = products_of(partition)
     number = len(settings.all)
     across = 1 if number <= ONE_COLUMN else 2 if number <= 8 else 3
@@ -47,12 +51,12 @@ def size_figure(settings: Settings, partition: list[Row]) -> tuple[Figure, list[
         size_axis(axes, *_range(partition), (1.0, 3.0) if across > 1 else ())
         if k + across >= number:
             axes.tick_params(labelbottom=True)
+            axes.set_xlabel("particle diameter  $d$  (µm)" if across < 3 else "$d$  (µm)")
     panels[0, 0].set_ylim(0, 1.15 * panels[0, 0].get_ylim()[1])
-    figure.supxlabel("particle diameter  $d$  (µm)", fontsize=8)
     figure.supylabel(r"$\mathrm{d}m / (m_\mathrm{feed}\,\mathrm{d}\log_{10} d)$", fontsize=8)
     handles = [Patch(facecolor="0.85", edgecolor="0.5", linewidth=0.6)]
     legend_above(figure, [*handles, *(_patch(n) for n in range(len(products)))],
-                 ["feed", *products])  # fmt: skip
+                 ["feed", *(names[product] for product in products)])  # fmt: skip
     return figure, drawn
 
 

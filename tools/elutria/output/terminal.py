@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import nan
+from math import isinf, nan
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -12,7 +12,7 @@ from rich.measure import Measurement
 from rich.table import Column, Table
 
 from elutria import tables
-from elutria.tables import VELOCITY, short
+from elutria.tables import VELOCITY, short, shown
 
 if TYPE_CHECKING:
     from elutria.output.settings import Settings
@@ -20,17 +20,26 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 TableColumn = tuple[str, Callable[[Row], str]]
 """A heading with its unit below, and the text of a row."""
+SHORT = 8
+"""Letters of a product's name in a head, at most."""
+CLOSE = (0, 0)
+"""Padding with which one space parts columns, that of the box; else there are two or three."""
 
 
 def print_table(console: Console, table: Table, keys: int = 1) -> None:
     """Print a table of which no word and no number is cut, however narrow the console is.
 
-    Where it does not fit, columns are printed in several tables, each of which begins with the
-    first `keys` columns; where one column beside these does not fit, lines are longer.
+    Where it does not fit, columns stand closer; where that does not fit either, they are printed in
+    several tables, each of which begins with the first `keys` columns; where one column beside
+    these does not fit, lines are longer.
     """
+    if _least_width(console, table) > console.width:
+        table.padding, table.show_edge = CLOSE, False
     for part in _parts(console, table, keys):
         _set_widths(console, part)
         console.print(part, crop=False)
+        if not part.show_edge:
+            console.print()
 
 
 def _parts(console: Console, table: Table, keys: int) -> list[Table]:
@@ -49,7 +58,8 @@ def _parts(console: Console, table: Table, keys: int) -> list[Table]:
 def _of_columns(table: Table, columns: list[Column]) -> Table:
     part = Table(
         title=table.title, title_justify=table.title_justify, box=table.box,
-        pad_edge=table.pad_edge, collapse_padding=table.collapse_padding,
+        pad_edge=table.pad_edge, collapse_padding=table.collapse_padding, padding=table.padding,
+        show_edge=table.show_edge,
     )  # fmt: skip
     for column in columns:
         part.add_column(
@@ -92,9 +102,14 @@ def _least_width(console: Console, table: Table) -> int:
 
 
 def summary_table(
-    rows: Sequence[Row], settings: Settings, wide: bool = False, theory: Sequence[Row] = ()
+    rows: Sequence[Row],
+    settings: Settings,
+    wide: bool = False,
+    theory: Sequence[Row] = (),
+    fines: str = "fines",
 ) -> tuple[Table, int]:
     """The summary, and how many of its columns say which row it is; `wide`: every column.
+    `fines`: what the case calls the product that is not the curve's.
 
     `all` is left out where there is one material. Units stand in the head. `theory` has the cut
     sizes of the terminal velocity; where they are known, a column says how far off d50 is.
@@ -102,15 +117,15 @@ def summary_table(
     from elutria.output.settings import materials_of
 
     names = materials_of(rows)
-    shown = [row for row in rows if len(names) > 1 or row["material"] != "all"]
+    chosen = [row for row in rows if len(names) > 1 or row["material"] != "all"]
     keys = [name for name in settings.columns if name in (VELOCITY, *settings.varied)]
     columns = [_setting_column(name) for name in keys]
     if len(names) > 1:
         columns.append(("material", lambda row: str(row["material"])))
     number = len(columns)
-    columns += _all_columns() if wide else _main_columns(shown)
+    columns += _all_columns() if wide else _main_columns(chosen, fines)
     free = {(row[VELOCITY], row["material"]): row["cut_size_m"] for row in theory}
-    if keys == [VELOCITY] and any(_over(row, free) != "-" for row in shown):
+    if keys == [VELOCITY] and any(_over(row, free) != "-" for row in chosen):
         columns.append(("to free\nfall %", lambda row: _over(row, free)))
     table = Table(
         title="Classification", title_justify="left", box=SIMPLE_HEAD, pad_edge=False,
@@ -119,28 +134,27 @@ def summary_table(
     for heading, _ in columns:
         words = heading == "material"
         table.add_column(heading, justify="left" if words else "right", no_wrap=True)
-    for row in shown:
+    for row in chosen:
         table.add_row(*(cell(row) for _, cell in columns))
     return table, number
 
 
 def _setting_column(name: str) -> TableColumn:
-    def cell(row: Row) -> str:
-        value = row[name]
-        return f"{value:g}" if isinstance(value, float) else str(value)
-
-    return ("U\nm/s" if name == VELOCITY else short(name), cell)
+    return ("U\nm/s" if name == VELOCITY else short(name), lambda row: shown(row[name]))
 
 
-def _main_columns(rows: Sequence[Row]) -> list[TableColumn]:
+def _main_columns(rows: Sequence[Row], fines: str) -> list[TableColumn]:
     """What fits into 80 characters; losses only where there are any."""
     columns: list[TableColumn] = [
         ("d25\num", lambda row: micrometres(row["d25_m"])),
         ("d50\num", lambda row: micrometres(row["d50_m"])),
         ("95 % of d50\num", _interval),
         ("d75\num", lambda row: micrometres(row["d75_m"])),
-        ("d25/d75\n-", lambda row: _fixed(row["sharpness"], 3)),
-        ("fines\nshare", lambda row: _fixed(row["fines_yield"], 3)),
+        ("d25/\nd75", lambda row: _fixed(row["sharpness"], 3)),
+        (
+            f"{fines if len(fines) <= SHORT else 'fines'}\nshare",
+            lambda row: _fixed(row["fines_yield"], 3),
+        ),
         ("fed\nnumber", lambda row: count(row["particles_fed"])),
     ]
     if any(row["particles_lost"] != 0 for row in rows):
@@ -176,7 +190,8 @@ def _over(row: Row, free: Mapping[tuple[float, str], float]) -> str:
 
 
 def _interval(row: Row) -> str:
-    return f"{micrometres(row['d50_low_m'])}..{micrometres(row['d50_high_m'])}"
+    low, high = row["d50_low_m"], row["d50_high_m"]
+    return "-" if low != low and high != high else f"{micrometres(low)}..{micrometres(high)}"
 
 
 def count(number: float) -> str:
@@ -185,8 +200,10 @@ def count(number: float) -> str:
 
 
 def micrometres(value: float) -> str:
-    """A length (m) in um to four digits."""
-    return "-" if value != value else f"{value * 1e6:.4g}"
+    """A length (m) in um: to four digits, and to the whole um from 1 cm on; `open`: infinite."""
+    if isinf(value):
+        return "open"
+    return "-" if value != value else f"{value * 1e6:{'.0f' if value >= 0.01 else '.4g'}}"
 
 
 def _fixed(value: float, digits: int) -> str:

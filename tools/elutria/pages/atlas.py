@@ -96,7 +96,7 @@ def content(results: Results, runs: list[RunFolder]) -> dict[str, Any]:
         "materials": [_material(name, runs[0].case, recorded, bins) for name in names],
         "theory": theory,
         "nodes": nodes,
-        "products": products_of(results.partition),
+        "products": [results.products[name] for name in products_of(results.partition)],
     }
 
 

@@ -67,6 +67,8 @@ def content(folder: Path, results: Results, runs: list[RunFolder]) -> dict[str, 
         "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "materials": materials_of(results.summary),
         "several": several,
+        "fines": results.products["fines"],
+        "coarse": results.products["coarse"],
         "nan": nan,
         "settings": [
             {"label": settings.label(setting), "look": look.colour, "rows": shown(rows, several)}
@@ -113,7 +115,9 @@ def drawn(results: Results) -> dict[str, str]:
             )
             kept = [row for row in rows if row["is_shown"]]
             name = f"{settings.label(setting)}, {material}"
-            titles[f"setting{k}-{material}-classes"] = [_title(name, row) for row in kept]
+            titles[f"setting{k}-{material}-classes"] = [
+                _title(name, row, results.products["coarse"]) for row in kept
+            ]
     labels = {
         "partition_curves": "Partition curves with their 95 % bands",
         "cut_size": "Cut size with its 95 % interval",
@@ -122,11 +126,11 @@ def drawn(results: Results) -> dict[str, str]:
     return {name: inline_svg(made[name][0], label, titles) for name, label in labels.items()}
 
 
-def _title(name: str, row: Row) -> str:
+def _title(name: str, row: Row, coarse: str) -> str:
     """What a browser shows over a class."""
     low, high = micrometres(row["diameter_low_m"]), micrometres(row["diameter_high_m"])
     return (
-        f"{name}: {low} to {high} µm. To coarse {percent(row['partition_to_coarse'])} "
+        f"{name}: {low} to {high} µm. To {coarse} {percent(row['partition_to_coarse'])} "
         f"({percent(row['ci_low'])} to {percent(row['ci_high'])}); "
         f"the curve's mean {percent(row['curve_mean'])}; fed {number(row['feed_kg'])} kg"
     )
@@ -265,7 +269,7 @@ def repeat(runs: Sequence[RunFolder], columns: list[str], folder: Path) -> str |
         words.append(f"--replicates {number}")
     if runs[0].marker.get("np", 1) > 1:
         words.append(f"--np {runs[0].marker['np']}")
-    return " ".join([*words, f"--to {_quoted(folder.resolve().name)}"])
+    return " ".join([*words, f"--to {_quoted(f'results/{folder.resolve().name}')}"])
 
 
 def _written(value: Any) -> str:

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from elutria.errors import InputError
+from elutria.errors import InputError, one_line
 from elutria.files import atomic_write
 from elutria.viewing.frames import Frame, Scene
 from elutria.viewing.recording import Recording
 from elutria.viewing.sessions import about
 from elutria.viewing.standalone import write_standalone
 from elutria.viewing.statistics import Statistics, summary
+from elutria.viewing.sweeps import runs_in
 from elutria.viewing.walls import Walls, read_walls
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#c
 """Okabe & Ito 2008; the page has the same."""
 FITS = 10
 """Frames of a film from one fit of the curve to the next."""
-SMALLEST = 1.4
+SMALLEST = 2.0
 """Points across that a parcel is drawn with at least: smaller ones would not be seen."""
 SIZE = (7.2, 6.4)
 """Inches, at 100 dots each."""
@@ -60,6 +61,13 @@ def check_film(to: Path) -> None:
     """Raise InputError where a film of this name cannot be made, before anything is run."""
     if to.suffix != ".html":
         writer_for(to)
+
+
+def require_one(place: Path) -> None:
+    """Raise InputError for the folder of a sweep: a film is of one run."""
+    if runs := runs_in(place):
+        names = one_line(", ".join(run.name for run in runs), 200)
+        raise InputError(f"{place}: holds several runs; allowed: a film of one of them ({names})")
 
 
 def record(run: Path, to: Path, speed: float, on_frame: Callable[[float], None]) -> None:
@@ -140,20 +148,21 @@ class _Picture:
             aspect="equal", xlabel="mm", ylabel="mm",
         )  # fmt: skip
         self.dots = self.column.scatter([], [], s=1, linewidths=0)
-        for name, colour in zip(self.scene.materials, COLOURS, strict=False):
-            self.column.scatter([], [], s=16, color=colour, label=name)
-        if len(self.scene.materials) > 1:
-            self.column.legend(loc="upper right", fontsize=7, framealpha=0.8)
 
     def _draw_axes(self, sizes: tuple[float, float]) -> None:
         low, high = 1e6 * np.array(sizes)
         self.curve.set(xscale="log", xlim=(0.95 * low, 1.05 * high), ylim=(-0.02, 1.02))
-        self.curve.set(xlabel="size, µm", ylabel=f"share to {self.scene.products[-1]}")
+        of_all = ", of all" if len(self.scene.materials) > 1 else ""
+        self.curve.set(xlabel="size, µm", ylabel=f"share to {self.scene.partition_to}{of_all}")
         ticks = [d * 10**k for k in range(-1, 6) for d in (1, 2, 3, 5)]
-        shown = [tick for tick in ticks if low <= tick <= high]
+        shown = [tick for tick in ticks if 0.95 * low <= tick <= 1.05 * high]
         self.curve.set_xticks(shown, [f"{tick:g}" for tick in shown])
         self.curve.minorticks_off()
         self.curve.grid(color="0.9")
+        for name, colour in zip(self.scene.materials, COLOURS, strict=False):
+            self.curve.scatter([], [], s=16, color=colour, label=name)
+        if len(self.scene.materials) > 1:
+            self.curve.legend(loc="upper left", fontsize=8)
         (self.line,) = self.curve.plot([], [], color="#0072b2")
         self.band: Any = None
 

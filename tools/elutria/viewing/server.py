@@ -11,7 +11,7 @@ import contextlib
 import hmac
 import json
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
@@ -125,6 +125,14 @@ class PageServer:
             client.texts.append(text)
             client.ready.set()
 
+    def forget(self, kinds: Iterable[str]) -> None:
+        """Pages that come later are not told of these any more, and no frame is left."""
+        for kind in kinds:
+            self._kept.pop(kind, None)
+        self._frame = None
+        for client in self._clients:
+            client.frame = None
+
     async def _follow(self, connection: ServerConnection) -> None:
         client = _Client(connection)
         client.texts = list(self._kept.values())
@@ -133,8 +141,9 @@ class PageServer:
         self._clients.add(client)
         sender = asyncio.create_task(client.send_all())
         try:
-            async for message in connection:
-                self._listen(message)
+            with contextlib.suppress(ConnectionClosed):  # a browser that was killed
+                async for message in connection:
+                    self._listen(message)
         finally:
             self._clients.discard(client)
             sender.cancel()

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import fcntl
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import read_json
-from elutria.running.marker import MARKER
+from elutria.running.marker import MARKER, SWEEP
 from elutria.running.run import FRAMES
 from elutria.viewing.control import Control
 from elutria.viewing.frames import Frame, FrameReader, Scene
@@ -37,10 +38,10 @@ class Session:
 
     mode = ""
 
-    def __init__(self, run: Path):
+    def __init__(self, run: Path, server: PageServer | None = None):
         self.run = run
         self.control = Control()
-        self.server = PageServer(self.wish)
+        self.server = server or PageServer(self.wish)
         self.statistics: Statistics | None = None
         self.end = ("", "")
         """How a run ended that went on: state and text."""
@@ -59,6 +60,9 @@ class Session:
     async def play(self) -> None:
         """Show frames to the pages."""
         raise NotImplementedError
+
+    def close(self) -> None:
+        """Let go of the run's files."""
 
     def tell_state(self, state: str, text: str) -> None:
         self.server.tell("state", {"state": state, "text": text})
@@ -80,7 +84,7 @@ class Session:
             self._told = len(statistics)
             rows, since = statistics.rows(), statistics.since
             begin = time.monotonic()
-            with suppress(ElutriaError, ValueError, ArithmeticError):
+            with contextlib.suppress(ElutriaError, ValueError, ArithmeticError):
                 self.server.tell(
                     "statistics",
                     await asyncio.to_thread(summary, statistics.scene, rows, since),
@@ -90,12 +94,19 @@ class Session:
 
 
 class LiveSession(Session):
-    """A run that is going on: `ended` says how it ended, None while it goes on."""
+    """A run that is going on: `ended` says how it ended, None while it goes on. One that is not to
+    be steered, as it is one of a sweep, is looked at alone."""
 
-    mode = "live"
-
-    def __init__(self, run: Path, ended: Callable[[], tuple[str, str] | None]):
-        super().__init__(run)
+    def __init__(
+        self,
+        run: Path,
+        ended: Callable[[], tuple[str, str] | None],
+        server: PageServer | None = None,
+        *,
+        steers: bool = True,
+    ):
+        super().__init__(run, server)
+        self.mode = "live" if steers else "watch"
         self._ended = ended
         self._now = 0.0
         self._over = False
@@ -107,9 +118,9 @@ class LiveSession(Session):
             self._told = -1
 
     def steer(self) -> None:
-        if self._over or not (self.run / FRAMES).is_file():
+        if self._over or self.mode == "watch" or not (self.run / FRAMES).is_file():
             return
-        with suppress(ElutriaError):
+        with contextlib.suppress(ElutriaError):
             self.control.write(self.run)
         state = "paused" if self.control.pause else "running"
         self.tell_state(state, state)
@@ -118,10 +129,11 @@ class LiveSession(Session):
         """Show frames as they come, until the run has ended."""
         reader = await self._opened()
         if reader is not None:
-            self.tell_scene(reader.scene, 0.0)
-            self.steer()
-            await self._follow(reader)
-            reader.close()
+            with contextlib.closing(reader):
+                self.tell_scene(reader.scene, 0.0)
+                self.tell_state("running", "running")
+                self.steer()
+                await self._follow(reader)
         self._over = True
         self.end = self._ended() or ("ended", "the run has ended")
         self.tell_state(*self.end)
@@ -130,7 +142,7 @@ class LiveSession(Session):
         """The frames, once there are any; None where the run ends without."""
         self.tell_state("starting", "the mesh is made, the gas settles")
         while True:
-            with suppress(InputError):
+            with contextlib.suppress(InputError):
                 return FrameReader(self.run)
             if self._ended() is not None:
                 return None
@@ -159,8 +171,8 @@ class ReplaySession(Session):
 
     mode = "replay"
 
-    def __init__(self, run: Path):
-        super().__init__(run)
+    def __init__(self, run: Path, server: PageServer | None = None):
+        super().__init__(run, server)
         self.recording = Recording(run)
         self._time = self.recording.times[0]
         self._shown = -1
@@ -176,6 +188,9 @@ class ReplaySession(Session):
             self.statistics.restart(self._time)
             self._first = self._counted = self._shown + 1
             self._told = -1
+
+    def close(self) -> None:
+        self.recording.close()
 
     async def play(self) -> None:
         """Show the frames at their pace while somebody looks, for as long as somebody may."""
@@ -218,12 +233,37 @@ class ReplaySession(Session):
         self._counted = number + 1
 
 
+def is_going_on(run: Path) -> bool:
+    """Whether an elutria is at work in a run's folder."""
+    lock = run.resolve().parent / f".{run.resolve().name}.lock"
+    try:
+        with lock.open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def session_of(run: Path, server: PageServer | None = None) -> Session:
+    """What there is to see of a run: the run itself while it goes on, then what was recorded. A
+    run of a sweep is not steered: its results would not be the sweep's."""
+    if not is_going_on(run):
+        return ReplaySession(run, server)
+
+    def ended() -> tuple[str, str] | None:
+        return None if is_going_on(run) else ("ended", "the run has ended")
+
+    return LiveSession(run, ended, server, steers=not (run.parent / SWEEP).is_file())
+
+
 def about(run: Path) -> dict[str, Any]:
     """The case's name, gas velocity and loading (None where it is given otherwise)."""
     known: dict[str, Any] = {"name": run.resolve().name, "gas_velocity_m_s": 1.0, "loading": None}
-    with suppress(ElutriaError):
+    with contextlib.suppress(ElutriaError):
         known["name"] = str(read_json(run / MARKER).get("case", known["name"]))
-    with suppress(ElutriaError):
+    with contextlib.suppress(ElutriaError):
         case = Case(run)
         known["gas_velocity_m_s"] = case.velocity()
         feed = case.dictionary("constant/feed")

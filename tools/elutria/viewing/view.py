@@ -1,10 +1,9 @@
-"""`elutria view`: a page of a case that it runs, of a run that goes on, or of a recorded one."""
+"""`elutria view`: a page of a case that it runs, or of a run or a sweep, going on or recorded."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import fcntl
 import shutil
 import signal
 import subprocess
@@ -17,16 +16,21 @@ from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.running.marker import FINISHED, MARKER
 from elutria.running.run import FRAMES
-from elutria.viewing.sessions import LiveSession, ReplaySession, Session
+from elutria.viewing.sessions import LiveSession, Session, session_of
+from elutria.viewing.sweeps import SweepSession, runs_in
+
+Seen = Session | SweepSession
+"""A run or a sweep that is looked at."""
 
 MOST_LINES = 20
 """Of what the run says, as many are kept to say why it failed."""
 
 
 class Run:
-    """`elutria run CASE --frames` beside this process; it ends with this process."""
+    """`elutria run CASE --frames` beside this process, with which it ends. What it says is shown
+    where it is `told`."""
 
-    def __init__(self, arguments: list[str], folder: Path):
+    def __init__(self, arguments: list[str], folder: Path, *, told: bool = False):
         self.folder = folder
         # of an earlier view: not to be taken for this run's
         for stale in (folder / FRAMES, folder / FINISHED):
@@ -37,8 +41,8 @@ class Run:
             command = ["setpriv", "--pdeathsig", "TERM", *command]
         self._lines: list[str] = []
         self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            text=True, errors="replace",
+            command, stdin=subprocess.DEVNULL, stdout=None if told else subprocess.DEVNULL,
+            stderr=subprocess.PIPE, text=True, errors="replace",
         )  # fmt: skip
 
     def ended(self) -> tuple[str, str] | None:
@@ -69,44 +73,22 @@ class Run:
 
 
 def is_run(folder: Path) -> bool:
-    """Whether a folder is a run of elutria or has frames, and so is not a case to be run."""
-    return (folder / MARKER).is_file() or (folder / FRAMES).is_file()
+    """Whether a folder is a run of elutria, or has frames or runs, and so is no case to be run."""
+    return (folder / MARKER).is_file() or (folder / FRAMES).is_file() or bool(runs_in(folder))
 
 
-def runs_in(results: Path) -> list[Path]:
-    """The runs of a folder of results that have frames or are about to have them."""
-    return sorted(marker.parent for marker in results.glob(f"*/{MARKER}"))
+def session_for(place: Path) -> Seen:
+    """What there is to see of a run or a sweep."""
+    return SweepSession(place) if runs_in(place) else session_of(place)
 
 
-def is_going_on(run: Path) -> bool:
-    """Whether an elutria is at work in a run's folder."""
-    lock = run.resolve().parent / f".{run.resolve().name}.lock"
-    try:
-        with lock.open() as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    return False
-
-
-def session_of(run: Path) -> Session:
-    """What there is to see of a run: the run itself while it goes on, then what was recorded."""
-    if is_going_on(run):
-        return LiveSession(
-            run, lambda: None if is_going_on(run) else ("ended", "the run has ended")
-        )
-    return ReplaySession(run)
-
-
-def look_on(session: Session, port: int, say: Callable[[str], None], *, browser: bool) -> None:
+def look_on(session: Seen, port: int, say: Callable[[str], None], *, browser: bool) -> None:
     """Serve the page until Ctrl-C. Raises InputError where the port cannot be had."""
     with contextlib.suppress(KeyboardInterrupt):
         asyncio.run(_serve(session, port, say, browser))
 
 
-async def _serve(session: Session, port: int, say: Callable[[str], None], browser: bool) -> None:
+async def _serve(session: Seen, port: int, say: Callable[[str], None], browser: bool) -> None:
     try:
         address = await session.server.start(port)
     except OSError as error:
@@ -137,7 +119,7 @@ def view_case(
 
 def run_case_to_end(arguments: list[str], folder: Path) -> None:
     """Run a case and record it. Raises ElutriaError where it fails."""
-    running = Run(arguments, folder)
+    running = Run(arguments, folder, told=True)
     try:
         running.wait()
     finally:
@@ -148,11 +130,8 @@ def run_case_to_end(arguments: list[str], folder: Path) -> None:
 
 
 def folder_for(place: Path, to: Path | None) -> Path:
-    """Where a case is run that is to be seen. Raises InputError for results of several runs, and
-    where another run than a view's has its results."""
-    names = ", ".join(run.name for run in runs_in(place))
-    if names:
-        raise InputError(f"{place}: holds several runs; allowed: one of them ({names})")
+    """Where a case is run that is to be seen. Raises InputError where another run than a view's
+    has its results."""
     if to is not None and (to / FINISHED).is_file():
         raise InputError(
             f"--to {to}: holds a finished run; allowed: another folder, or 'elutria view {to}' "

@@ -24,29 +24,36 @@ function drawnInSoftware() {
 }
 
 export class Column {
-  constructor(canvas, scene, walls) {
+  constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: !drawnInSoftware() });
+    this.drawn = 0;
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.renderer.setAnimationLoop(() => this.draw());
+  }
+
+  // Another column in place of the one before; one in the same box is seen from the same place
+  stand(scene, walls) {
+    this.scene?.traverse(({ geometry, material }) => {
+      for (const part of [geometry, material?.map, material]) part?.dispose();
+    });
     this.scene = new Scene();
     this.scene.background = new Color("#14171b");
     this.particles = new Particles(scene);
     this.slice = new Slice(scene);
-    this.slice.mesh.visible = false;
     const solid = new Mesh(positions(walls.triangles), new MeshBasicMaterial({
       color: "#8090a0", transparent: true, opacity: 0.08, side: DoubleSide, depthWrite: false,
     }));
     const lines = new LineSegments(positions(walls.lines), new LineBasicMaterial({ color: "#7d8894" }));
     this.scene.add(lines, this.particles.points, this.slice.mesh, solid);
-    this.stand(scene);
-    this.drawn = 0;
-    this.stale = true;
-    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    const box = JSON.stringify([scene.box_m, scene.up]);
+    if (box !== this.box) this.look(scene);
+    this.box = box;
     this.resize();
-    this.renderer.setAnimationLoop(() => this.draw());
   }
 
-  // Where the whole column is in sight, a little from the side, gravity downwards
-  stand(scene) {
+  // To where the whole column is in sight, a little from the side, gravity downwards
+  look(scene) {
     const { low, span } = this.particles;
     const up = new Vector3(...scene.up);
     const middle = low.clone().addScaledVector(span, 0.5);
@@ -57,6 +64,7 @@ export class Column {
     const front = new Vector3().crossVectors(aside, up).normalize();
     this.camera.position.copy(middle).addScaledVector(front, 1.62 * size)
       .addScaledVector(aside, 0.55 * size).addScaledVector(up, 0.12 * size);
+    this.controls?.dispose();
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.target.copy(middle);
     this.controls.addEventListener("change", () => { this.stale = true; });
@@ -64,6 +72,7 @@ export class Column {
   }
 
   resize() {
+    if (!this.camera) return;
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);

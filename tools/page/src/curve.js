@@ -1,6 +1,6 @@
-// The partition curve: share to coarse against size, with its band, over points of the size classes.
+// The partition curve: share to a product against size, with its band, over points of the size classes.
 
-const ROOM = { left: 44, right: 12, top: 12, bottom: 34 };
+const ROOM = { left: 52, right: 12, top: 12, bottom: 34 };
 
 // Round sizes, as many as there is room for
 function ticks(low, high) {
@@ -18,6 +18,7 @@ function ticks(low, high) {
 export class Curve {
   constructor(canvas) {
     this.canvas = canvas;
+    this.label = "";
     this.data = { curve: [], classes: [] };
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
@@ -63,9 +64,9 @@ export class Curve {
     }
     pen.fillText("size, µm", (width + ROOM.left) / 2, height - 8);
     pen.save();
-    pen.translate(10, y(0.5));
+    pen.translate(9, y(0.5));
     pen.rotate(-Math.PI / 2);
-    pen.fillText("share to coarse", 0, 0);
+    pen.fillText(this.label, 0, 0);
     pen.restore();
   }
 

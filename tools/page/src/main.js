@@ -3,7 +3,7 @@
 import { Column } from "./column.js";
 import { Curve } from "./curve.js";
 import { decode } from "./frame.js";
-import { Panel, showState } from "./panel.js";
+import { Panel, showRuns, showState } from "./panel.js";
 import { open } from "./source.js";
 
 const page = { frames: 0, statistics: null, state: null };
@@ -22,15 +22,20 @@ function paceOf(frame) {
   return pastFrames.length > 1 ? [(frame.time - time) / passed, (pastFrames.length - 1) / passed] : [NaN, 0];
 }
 
+// A run, the first or another one: all that is known of one before is forgotten
 function start(message) {
-  if (page.column) {        // the stream began anew
-    page.panel.start(message);
-    return;
+  if (!page.column) {
+    page.column = new Column(document.getElementById("column"));
+    page.curve = new Curve(document.getElementById("curve"));
+    page.panel = new Panel(page.column, (wish) => page.stream.send(wish));
   }
-  page.column = new Column(document.getElementById("column"), message.scene, message.walls);
-  page.curve = new Curve(document.getElementById("curve"));
-  page.panel = new Panel(page.column, (wish) => page.stream.send(wish));
+  page.column.stand(message.scene, message.walls);
   page.panel.start(message);
+  const several = message.scene.materials.length > 1;
+  page.curve.label = `share to ${message.scene.partition_to ?? message.scene.products.at(-1)}${several ? ", of all" : ""}`;
+  page.curve.show({ curve: [], classes: [] });
+  page.statistics = page.frame = null;
+  page.frames = pastFrames.length = 0;
 }
 
 page.stream = open({
@@ -56,6 +61,9 @@ page.stream = open({
   state(message) {
     page.state = message.state;
     showState(message);
+  },
+  runs({ runs, chosen }) {
+    showRuns(runs, chosen, (name) => page.stream.send({ run: name }));
   },
   gone() {
     page.state = "gone";

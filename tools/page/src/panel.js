@@ -14,6 +14,28 @@ export function showState({ state, text }) {
   $("state").dataset.state = state;
 }
 
+// The runs of a sweep, as buttons; those without frames cannot be chosen
+export function showRuns(runs, chosen, choose) {
+  $("runs").hidden = false;
+  const known = [...$("runs").children].map((button) => button.textContent).join("/");
+  if (known !== runs.map(({ name }) => name).join("/")) {
+    $("runs").replaceChildren(...runs.map(({ name }) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.onclick = () => choose(name);
+      return button;
+    }));
+  }
+  for (const [k, { name, state }] of runs.entries()) {
+    const button = $("runs").children[k];
+    button.dataset.state = state;
+    button.disabled = !state;
+    button.title = state || "no frames were recorded";
+    button.setAttribute("aria-current", name === chosen);
+  }
+}
+
 // The part of a slider's way, for factors from 1/4 to 4 of the case's value
 const factor = (place) => 4 ** place;
 const place = (value) => Math.log(value) / Math.log(4);
@@ -24,7 +46,7 @@ export class Panel {
     this.send = send;
     this.asked = { gas: 1, loading: 1, pause: false, speed: 1 };
     $("colour").onchange = () => { column.colourBy($("colour").value); this.legend(); };
-    $("slice").onchange = () => column.showGas($("slice").checked);
+    $("slice").onchange = () => { column.showGas($("slice").checked); this.gasScale(); };
     $("larger").oninput = () => column.enlarge(Number($("larger").value));
     $("pause").onclick = () => this.ask({ pause: !this.asked.pause });
     $("speed").onchange = () => this.ask({ speed: Number($("speed").value) });
@@ -44,6 +66,11 @@ export class Panel {
     $("time").max = message.about.duration_s || 1;
     this.follow(message.control);
     this.legend();
+    this.column.colourBy($("colour").value);
+    this.column.showGas($("slice").checked);
+    this.column.enlarge(Number($("larger").value));
+    $("d50").textContent = "–";
+    $("products").replaceChildren();
   }
 
   ask(change) {
@@ -69,13 +96,18 @@ export class Panel {
     $("time-now").textContent = `${frame.time.toFixed(2)} s`;
     if (document.activeElement !== $("time")) $("time").value = frame.time;
     $("inside").textContent = `${frame.count} parcels, ${digits(1000 * frame.inside)} g`;
-    $("fed").textContent = String(frame.fed);
+    $("fed").textContent = `${frame.fed} parcels`;
     $("pace").textContent = `${digits(pace, 2)} of real time`;
     $("rate").textContent = `${Math.round(rate)} a second`;
     $("gas-now").textContent = `${digits(frame.gas * this.about.gas_velocity_m_s)} m/s`;
-    $("slice-scale").textContent = $("slice").checked ? `0 to ${digits(this.column.slice.fastest / 1000, 2)} m/s` : "";
+    this.gasScale();
     $("lost-row").hidden = frame.lost === 0;
-    $("lost").textContent = String(frame.lost);
+    $("lost").textContent = `${frame.lost} parcels`;
+  }
+
+  gasScale() {
+    $("slice-scale").hidden = !$("slice").checked;
+    $("slice-high").textContent = `${digits(this.column.slice.fastest / 1000, 2)} m/s`;
   }
 
   statistics(data) {

@@ -84,5 +84,6 @@ class Recording {
 
 export function open(handlers) {
   const data = document.getElementById("recording");
+  document.body.classList.toggle("standalone", Boolean(data));    // nobody fits a new curve there
   return data ? new Recording(handlers, JSON.parse(data.textContent)) : new Stream(handlers);
 }

@@ -14,8 +14,8 @@ from rich.console import Console
 
 from elutria.errors import ElutriaError, InputError, one_line, suggestion
 
-console = Console()
-errors = Console(stderr=True)
+console = Console(emoji=False)
+errors = Console(stderr=True, emoji=False)
 
 QuickOption = Annotated[bool, typer.Option("--quick", help="A short version.")]
 OwnOptions = Annotated[

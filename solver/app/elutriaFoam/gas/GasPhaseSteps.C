@@ -313,7 +313,8 @@ scalar GasPhase::converge
             "it changes by " + threeDigits(100*change) + " % a pass after "
           + threeDigits(passed/through) + " passes, allowed: "
           + threeDigits(100*tolerance) + " %",
-            "nothing: it is solved in every step; or a finer or steadier inlet",
+            "it is solved in every step, which takes longer; a finer mesh or a "
+            "steadier inlet lets it settle",
             change
         });
     }

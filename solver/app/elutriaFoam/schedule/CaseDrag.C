@@ -65,6 +65,26 @@ elutria::laws::Grain CaseDrag::grain(const Feed::Material& material) const
 }
 
 
+bool CaseDrag::ignoresShape(const Feed::Material& material) const
+{
+    const elutria::laws::Form& form = material.form;
+    const bool known =
+        forces_.size() == 1 && elutria::laws::findDragLaw(forces_[0]);
+    if
+    (
+        !known || sphericity_ > 0 || form.measured
+     || (form.sphericity == 1 && !form.hasAxes())
+    )
+    {
+        return false;
+    }
+    elutria::laws::Form sphere(form);
+    sphere.sphericity = sphere.flatness = sphere.elongation = 1;
+    constexpr scalar Re = 100;
+    return law_->CdRe(Re, 1, form) == law_->CdRe(Re, 1, sphere);
+}
+
+
 scalar CaseDrag::relaxationTime
 (
     const Feed::Material& material,

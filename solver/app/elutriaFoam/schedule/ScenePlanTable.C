@@ -233,6 +233,30 @@ void ScenePlan::announceContacts
 }
 
 
+void ScenePlan::warnOfShapes
+(
+    PlanTable& table,
+    const Feed& feed,
+    const CaseDrag& drag
+) const
+{
+    for (const Feed::Material& m : feed.materials())
+    {
+        if (drag.ignoresShape(m))
+        {
+            table.warn
+            ({
+                "shapeUnused", "drag takes " + m.name + " as spheres",
+                drag.forces()[0] + " knows no shape, constant/feed has a"
+                " sphericity of " + threeDigits(m.form.sphericity),
+                "take HaiderLevenspielDrag, or another law of the shape",
+                1 - m.form.sphericity
+            });
+        }
+    }
+}
+
+
 void ScenePlan::announceFeed
 (
     PlanTable& table,
@@ -277,16 +301,15 @@ void ScenePlan::announceFeed
     {
         announceContacts(table, cloud, runTime);
     }
-    const auto relaxation = relaxationTimes
-    (
-        feed, CaseDrag(cloud.particleProperties()), gas.speed
-    );
+    const CaseDrag drag(cloud.particleProperties());
+    const auto relaxation = relaxationTimes(feed, drag, gas.speed);
     table.row
     (
         "drag", "closed form over a step",
         "relaxation " + threeDigits(relaxation.first) + " .. "
       + threeDigits(relaxation.second) + " s"
     );
+    warnOfShapes(table, feed, drag);
 }
 
 

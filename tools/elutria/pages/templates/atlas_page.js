@@ -8,7 +8,9 @@
 
   function asRun() {
     const at = {}, feed = {};
-    ATLAS.axes.forEach((axis) => { at[axis.name] = axis.values[Math.floor(axis.values.length / 2)]; });
+    const whole = ATLAS.nodes.filter((node) => Object.values(node.curves).every((one) => one.cut !== null));
+    const among = whole.length ? whole : ATLAS.nodes;
+    ATLAS.axes.forEach((axis) => { at[axis.name] = among[Math.floor(among.length / 2)].at[axis.place]; });
     ATLAS.materials.forEach((one) => { feed[one.name] = { share: one.share, law: null }; });
     return { at: at, feed: feed };
   }
