@@ -256,6 +256,10 @@ void run(const argList& args)
     (
         cloudName, gas.rho(), gas.U(), gas.mu(), g
     );
+    if (cloud.feed())
+    {
+        CaseDrag(cloud.particleProperties()).requireShapesKnown(*cloud.feed());
+    }
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
     const wordList unused

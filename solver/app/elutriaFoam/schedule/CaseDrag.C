@@ -7,6 +7,7 @@
 
 #include "schedule/CaseDrag.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
 
 namespace Foam
 {
@@ -16,6 +17,21 @@ namespace
 
 //- Sizes beyond which a cut is not looked for [m]
 constexpr scalar smallestCut = 1e-7, largestCut = 0.1;
+
+
+//- Laws of ours that take a shape, for a message
+std::string lawsOfShape()
+{
+    std::string names;
+    for (const elutria::laws::DragLaw& law : elutria::laws::dragLaws())
+    {
+        if (law.knowsShape)
+        {
+            names += std::string(names.empty() ? "" : ", ") + law.name;
+        }
+    }
+    return names;
+}
 
 } // End anonymous namespace
 
@@ -62,6 +78,45 @@ elutria::laws::Grain CaseDrag::grain(const Feed::Material& material) const
         grain.form = {sphericity_};
     }
     return grain;
+}
+
+
+bool CaseDrag::knowsShape(const Feed::Material& material) const
+{
+    for (const word& force : forces_)
+    {
+        const elutria::laws::DragLaw* const law =
+            elutria::laws::findDragLaw(force);
+        const bool measured = material.measured
+         && force == elutria::laws::MeasuredVelocity::name;
+        const bool other = force == "nonSphereDrag"
+         && mag(sphericity_ - material.form.sphericity) > SMALL;
+        const bool ofSpheres =
+            law ? !law->knowsShape : force == "PlessisMasliyahDrag";
+
+        if (measured || !(other || ofSpheres))
+        {
+            return true;
+        }
+    }
+    return forces_.empty();
+}
+
+
+void CaseDrag::requireShapesKnown(const Feed& feed) const
+{
+    for (const Feed::Material& material : feed.materials())
+    {
+        if (material.form.sphericity < 1 && !knowsShape(material))
+        {
+            FatalIOErrorInFunction(feed)
+                << material.name << " has sphericity "
+                << material.form.sphericity << ", which "
+                << listed(forces_).c_str() << " does not take, allowed: 1, or"
+                << " particleForces with one of " << lawsOfShape().c_str()
+                << exit(FatalIOError);
+        }
+    }
 }
 
 
