@@ -133,6 +133,54 @@ def test_what_must_be_positive(scene: Path, tmp_path: Path, entry: str, value: f
     assert "allowed: > 0" in said
 
 
+CONSTANTS = f"{malformed.CLOUD}:constantProperties"
+
+
+@pytest.mark.parametrize(
+    ("entry", "value", "said"),
+    [
+        (f"{CONTROL}:maxCo", -4, "maxCo is -4, allowed: > 0"),
+        (f"{CONTROL}:maxDeltaT", 0, "maxDeltaT is 0, allowed: > 0"),
+        (f"{CONTROL}:writePrecision", 0, "writePrecision is 0, allowed: > 0"),
+        (f"{CONTROL}:writeFormat", "bynary", "writeFormat is bynary, allowed: ascii, binary"),
+        (f"{CONTROL}:endTime", -1, "endTime is -1, allowed: 0 or more"),
+        (f"{CONSTANTS}/alphaMax", 2, "alphaMax is 2, allowed: above 0, up to 1"),
+        (f"{CONTACTS}/particle/youngsModulus", 1e300, "allowed: above 0, up to 1e13 Pa"),
+        (f"{malformed.FEED}:duration", 1e300, "allowed: above 0, up to 1000000000"),
+    ],
+    ids=lambda given: str(given).rpartition(":")[2],
+)
+def test_what_no_run_can_follow(
+    scene: Path, tmp_path: Path, entry: str, value: Any, said: str
+) -> None:
+    """OpenFOAM takes these without a word, or the solver ended with another."""
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {entry: value})
+    code, found = start(case)
+    assert code == 2, found
+    assert said in found
+
+
+def test_gas_that_starts_too_fast(scene: Path, tmp_path: Path) -> None:
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {"0/U.air:internalField": [0, 0, 1e300]})
+    code, said = start(case)
+    assert code == 2, said
+    assert "0/U.air: internalField has " in said
+
+
+@pytest.mark.parametrize("file", ["system/scenePlan", "constant/fvOptions"])
+def test_a_folder_in_the_place_of_a_file(scene: Path, tmp_path: Path, file: str) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    (case / file).unlink(missing_ok=True)
+    (case / file).mkdir()
+    code, said = start(case)
+    assert code == 2, said
+    assert f"{file}: is a folder; allowed: a file" in said
+
+
 @pytest.mark.parametrize("form", ["ascii", "binary"])
 def test_a_mesh_names_only_what_is_there(tmp_path: Path, form: str) -> None:
     """Of the lists of cells, and of the points of faces, in both forms of the files."""
