@@ -13,7 +13,7 @@ import pytest
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError
 from elutria.physics.drag import drag_coefficient
-from elutria.running.run import run_case
+from elutria.running.run import plans, run_case
 from elutria_validation.harness.box import WEIGHTLESS, BoxCase, cube
 from elutria_validation.harness.cases import solve, times
 from elutria_validation.harness.particles import Particles, lattice, read_particles
@@ -97,6 +97,9 @@ def test_grains_of_measured_sizes_settle_as_measured(tmp_path: Path, measured: N
     [
         ("BagheriBonadonnaDrag;", "sphericity 0.8;", "allowed with BagheriBonadonnaDrag: flatness"),
         ("MeasuredVelocityDrag;", "", "dust has no measuredVelocity, which MeasuredVelocityDrag"),
+        ("SchillerNaumannDrag;", "sphericity 0.6;", "dust has sphericity 0.6, which Schiller"),
+        ("sphereDrag;", "flatness 0.5; elongation 0.5;", "which sphereDrag does not take"),
+        ("nonSphereDrag { phi 0.7; }", "sphericity 0.6;", "which nonSphereDrag does not take"),
     ],
 )
 def test_a_law_says_what_it_needs_to_know(tmp_path: Path, drag: str, shape: str, said: str) -> None:
@@ -105,6 +108,13 @@ def test_a_law_says_what_it_needs_to_know(tmp_path: Path, drag: str, shape: str,
         run(column(tmp_path / "case", drag, dust), tmp_path / "run")
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("drag", ["GanserDrag;", "nonSphereDrag { phi 0.6; }"])
+def test_a_shape_that_a_law_takes_is_allowed(tmp_path: Path, drag: str) -> None:
+    dust = MATERIAL.format(name="dust", share=1, shape="sphericity 0.6;", size=1e-4)
+    (plan,) = plans(column(tmp_path / "case", drag, dust), [[]])
+    assert plan["feed"]["materials"][0]["sphericity"] == 0.6
 
 
 def test_flat_grains_settle_slower(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from elutria.case.case import PARAMETERS, Case
 from elutria.cli import main
+from elutria.errors import InputError
 from elutria.openfoam.dictionary import set_entry
 from elutria.running.run import ask_plan, read_plan, run_case
 
@@ -157,17 +158,17 @@ def test_the_shape_of_a_law_of_openfoam_is_known(column: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "law, shape, warned",
+    "law, shape, refused",
     [
-        ("SchillerNaumannDrag", "sphericity 0.8;", True),
-        ("SchillerNaumannDrag", "sphericity 1;", False),
-        ("HaiderLevenspielDrag", "sphericity 0.8;", False),
-        ("nonSphereDrag { phi 0.8; } //", "sphericity 0.8;", False),
-        ("SchillerNaumannDrag", "flatness 0.5; elongation 0.8;", True),
+        ("SchillerNaumannDrag", "sphericity 0.8;", "sphericity 0.8"),
+        ("SchillerNaumannDrag", "sphericity 1;", ""),
+        ("HaiderLevenspielDrag", "sphericity 0.8;", ""),
+        ("nonSphereDrag { phi 0.8; } //", "sphericity 0.8;", ""),
+        ("SchillerNaumannDrag", "flatness 0.5; elongation 0.8;", "flatness 0.5 and elongation 0.8"),
     ],
 )
-def test_a_shape_that_the_drag_does_not_know_is_said(
-    column: Path, law: str, shape: str, warned: bool
+def test_a_shape_that_the_drag_does_not_know_is_refused(
+    column: Path, law: str, shape: str, refused: str
 ) -> None:
     for file, old, new in (
         ("constant/kinematicCloudProperties", "SchillerNaumannDrag", law),
@@ -176,11 +177,12 @@ def test_a_shape_that_the_drag_does_not_know_is_said(
         text = (column / file).read_text()
         assert old in text
         (column / file).write_text(text.replace(old, new))
-    said = [line for line in ask_plan(Case(column))["warnings"] if "as spheres" in line]
-    assert len(said) == warned
-    if warned:
-        assert "SchillerNaumannDrag" in said[0]
-        assert "HaiderLevenspielDrag" in said[0]
+    if refused:
+        line = f"{refused}, which SchillerNaumannDrag does not take, allowed: .*HaiderLevenspielDrag"
+        with pytest.raises(InputError, match=line):
+            ask_plan(Case(column))
+    else:
+        ask_plan(Case(column))
 
 
 def test_what_the_solver_refuses_is_one_line_of_bad_input(

@@ -26,6 +26,7 @@ Description
 #include "run/AtomicTime.H"
 #include "run/caseDictionaries.H"
 #include "run/caseFiles.H"
+#include "run/controls.H"
 #include "run/exitHandling.H"
 #include "run/meshFiles.H"
 #include "run/nothingLost.H"
@@ -143,9 +144,10 @@ void moveParticles(Time& runTime, ElutriaCloud& cloud)
 //- The void fraction that the particles leave the gas
 void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
 {
-    const scalar largest =
-        cloud.particleProperties().subDict("constantProperties")
-       .get<scalar>("alphaMax");
+    const dictionary& constants =
+        cloud.particleProperties().subDict("constantProperties");
+    const scalar largest = constants.get<scalar>("alphaMax");
+    requireBetween("alphaMax", largest, 0, 1, constants);
 
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
@@ -232,8 +234,10 @@ void settleGas
 void run(const argList& args)
 {
     AtomicTime::discardIncomplete(args.path());
+    caseFiles::refuseFolders(args.rootPath()/args.globalCaseName());
     caseFiles::refuseHuge(args.rootPath()/args.globalCaseName());
     #include "createTime.H"
+    requireSoundControl(runTime.controlDict());
     requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
 
     // Divergence is found by GasPhase::unsound(), not by a trap
@@ -256,6 +260,10 @@ void run(const argList& args)
     (
         cloudName, gas.rho(), gas.U(), gas.mu(), g
     );
+    if (cloud.feed())
+    {
+        CaseDrag(cloud.particleProperties()).requireShapesKnown(*cloud.feed());
+    }
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
     const wordList unused

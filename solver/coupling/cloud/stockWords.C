@@ -8,7 +8,6 @@
 #include "cloud/stockWords.H"
 #include "foam/honoured.H"
 #include "IOdictionary.H"
-#include "Switch.H"
 #include "Time.H"
 
 namespace Foam
@@ -23,9 +22,12 @@ namespace
 bool isAsked(const entry& e)
 {
     const ITstream* const value = e.isDict() ? nullptr : &e.stream();
-    return
-        !value || value->size() != 1 || !value->first().isWord()
-     || Switch(value->first().wordToken(), true) != Switch(false);
+    if (!value || value->size() != 1 || !value->first().isWord())
+    {
+        return true;
+    }
+    const word& said = value->first().wordToken();
+    return said != "none" && said != "off" && said != "no" && said != "false";
 }
 
 
@@ -34,7 +36,7 @@ void refuseOf(const kind of, const dictionary& dict)
 {
     for (const entry& e : dict)
     {
-        if (honoured::isRefused(of, e.keyword()))
+        if (honoured::isRefused(of, e.keyword()) && isAsked(e))
         {
             FatalIOErrorInFunction(dict)
                 << e.keyword() << ": "

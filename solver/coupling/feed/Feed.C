@@ -39,6 +39,9 @@ scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
 }
 
 
+//- A feed that lasts longer is a mistake [s]
+constexpr scalar longest = 1e9;
+
 scalar readPositive(const dictionary& dict, const word& entry)
 {
     const scalar value = dict.get<scalar>(entry);
@@ -216,6 +219,10 @@ void Feed::readSchedule()
             << exit(FatalIOError);
     }
     duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
+    if (found("duration"))
+    {
+        requireBetween("duration", duration_, 0, longest, *this);
+    }
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
     asked_ = maxParticles_;

@@ -9,6 +9,14 @@
 namespace elutria::dem
 {
 
+namespace
+{
+
+/// A ten-thousandth of it is diamond; beyond, contact steps are too short to end.
+constexpr double stiffest = 1e16;   // Pa
+
+} // namespace
+
 std::uint32_t ContactMaterials::add(const ContactMaterial& material)
 {
     materials_.push_back(material);
@@ -33,8 +41,8 @@ void ContactMaterials::check() const
     for (const ContactMaterial& m : materials_)
     {
         const std::string of = " of contact material '" + m.name + "'";
-        require(m.youngsModulus > 0 && std::isfinite(m.youngsModulus), "youngsModulus" + of,
-                m.youngsModulus, "above 0 Pa");
+        require(m.youngsModulus > 0 && m.youngsModulus <= stiffest, "youngsModulus" + of,
+                m.youngsModulus, "above 0, up to 1e16 Pa");
         require(m.poissonRatio > -1 && m.poissonRatio <= 0.5, "poissonRatio" + of,
                 m.poissonRatio, "above -1, up to 0.5");
     }

@@ -79,7 +79,7 @@ def read_feed(case: Path) -> Feed:
     _check_planes(entries)
     place, is_patch = _read_place(entries)
     loading, rate = _read_rate(entries)
-    duration = entries.number("duration", inf, above=0, unit="s")
+    duration = entries.number("duration", inf, above=0, at_most=1e9, unit="s")
     particles = entries.number("particles", None, at_least=1, at_most=1e12)
     if particles is not None and particles != int(particles):
         raise entries.refuse("particles", "a whole number >= 1")
@@ -96,7 +96,7 @@ def read_feed(case: Path) -> Feed:
         place_is_patch=is_patch,
         loading=loading,
         mass_flow_rate=rate,
-        start=entries.number("start", 0.0, at_least=0, unit="s"),
+        start=entries.number("start", 0.0, at_least=0, at_most=1e9, unit="s"),
         duration=duration,
         particles=None if particles is None else int(particles),
         particles_per_parcel=entries.number("particlesPerParcel", inf, above=0),

@@ -30,9 +30,9 @@ def check_text(case: Case) -> None:
     case.gas()
     case.gravity()
     case.cloud().sub("subModels").sub("particleForces")
-    case.dictionary("system/controlDict", with_included=True).number(
-        "deltaT", above=0, at_most=1e6, unit="s"
-    )
+    control = case.dictionary("system/controlDict", with_included=True)
+    control.number("deltaT", above=0, at_most=1e6, unit="s")
+    control.number("writeInterval", 1.0, above=0)  # OpenFOAM's programs divide by it
 
 
 def report(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool) -> list[Table]:

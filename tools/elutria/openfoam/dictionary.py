@@ -21,6 +21,7 @@ from foamlib import FoamFile
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import read_text, writing_to
 from elutria.openfoam.asked import ask
+from elutria.openfoam.text import values_of, with_value
 
 _MISSING = object()
 _TWICE = re.compile(r"Duplicate .* entry for keyword: '?([^' ]+)'? ")
@@ -367,8 +368,13 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
     Raises InputError when the entry does not exist or the value is not one OpenFOAM value.
     """
     shown = _shown(path, case)
-    current: Any = _parse(path, shown)[0]
     keys = entry.split("/")
+    try:
+        current: Any = _parse(path, shown)[0]
+    except InputError as unread:  # what foamlib does not read, such as #ifeq
+        _one_value(shown, entry, text)
+        _set_in_text(path, keys, text, unread)
+        return
     for depth, key in enumerate(keys):
         if not isinstance(current, Mapping) or key not in current:
             names = [str(k) for k in current] if isinstance(current, Mapping) else []
@@ -377,6 +383,23 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
                 f"{suggestion(key, names)}; allowed: {', '.join(names) or 'nothing below a value'}"
             )
         current = current[key]
+    value = _one_value(shown, entry, text)
+    with writing_to(path.parent), FoamFile(path) as file:
+        file[(keys[0], *keys[1:])] = value
+
+
+def _set_in_text(path: Path, keys: list[str], value: str, unread: InputError) -> None:
+    """Raises `unread` where the text has no such entry either."""
+    text = read_text(path, limit=5_000_000)
+    changed = with_value(text, keys, value)
+    if not values_of(text, keys):
+        raise unread
+    with writing_to(path.parent):
+        path.write_text(changed, encoding="utf-8")
+
+
+def _one_value(shown: str, entry: str, text: str) -> Any:
+    """What foamlib makes of a value. Raises InputError unless it is one OpenFOAM value."""
     try:
         parsed: Any = FoamFile.loads(f"value {text};")
         good = isinstance(parsed, Mapping) and list(parsed) == ["value"]
@@ -388,5 +411,4 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
             f"{shown}: {entry}: '{one_line(text, 60)}'; allowed: one value, "
             "such as 5, word or (0 0 1)"
         )
-    with writing_to(path.parent), FoamFile(path) as file:
-        file[(keys[0], *keys[1:])] = value
+    return value

@@ -337,6 +337,7 @@ GasPhase::GasPhase
 
 void GasPhase::startTurbulence()
 {
+    requireSoundStart();
     // From here on kept: the first step's change counts too
     alpha_.oldTime();
 

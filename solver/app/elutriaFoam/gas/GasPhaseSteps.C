@@ -129,6 +129,19 @@ label GasPhase::unsoundCell() const
 }
 
 
+void GasPhase::requireSoundStart() const
+{
+    const scalar speed = Foam::sqrt(gMax(magSqr(U_.primitiveField())()));
+    if (!(speed < largestSpeed))
+    {
+        FatalErrorInFunction
+            << mesh_.time().timeName() << '/' << U_.name()
+            << ": internalField has " << speed << " m/s, allowed: below "
+            << largestSpeed << exit(FatalError);
+    }
+}
+
+
 string GasPhase::unsound() const
 {
     label cell = unsoundCell();

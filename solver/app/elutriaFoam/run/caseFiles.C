@@ -153,6 +153,20 @@ void caseFiles::refuseHugeDictionary(const fileName& file)
 }
 
 
+void caseFiles::refuseFolders(const fileName& root)
+{
+    for (const honoured::Item& item : honoured::items())
+    {
+        if (item.of == honoured::kind::file && isDir(root/item.name))
+        {
+            FatalErrorInFunction
+                << item.name << ": is a folder; allowed: a file"
+                << exit(FatalError);
+        }
+    }
+}
+
+
 void caseFiles::refuseHuge(const fileName& root)
 {
     for (const char* const folder : {"constant", "system"})

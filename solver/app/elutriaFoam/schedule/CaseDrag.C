@@ -7,6 +7,8 @@
 
 #include "schedule/CaseDrag.H"
 #include "foam/foamVersion.H"
+#include "foam/ownEntries.H"
+#include "StringStream.H"
 
 namespace Foam
 {
@@ -16,6 +18,21 @@ namespace
 
 //- Sizes beyond which a cut is not looked for [m]
 constexpr scalar smallestCut = 1e-7, largestCut = 0.1;
+
+
+//- Laws of ours that take a shape, for a message
+std::string lawsOfShape()
+{
+    std::string names;
+    for (const elutria::laws::DragLaw& law : elutria::laws::dragLaws())
+    {
+        if (law.knowsShape)
+        {
+            names += std::string(names.empty() ? "" : ", ") + law.name;
+        }
+    }
+    return names;
+}
 
 } // End anonymous namespace
 
@@ -65,23 +82,54 @@ elutria::laws::Grain CaseDrag::grain(const Feed::Material& material) const
 }
 
 
-bool CaseDrag::ignoresShape(const Feed::Material& material) const
+bool CaseDrag::knowsShape(const Feed::Material& material) const
 {
-    const elutria::laws::Form& form = material.form;
-    const bool known =
-        forces_.size() == 1 && elutria::laws::findDragLaw(forces_[0]);
-    if
-    (
-        !known || sphericity_ > 0 || form.measured
-     || (form.sphericity == 1 && !form.hasAxes())
-    )
+    for (const word& force : forces_)
     {
-        return false;
+        const elutria::laws::DragLaw* const law =
+            elutria::laws::findDragLaw(force);
+        const bool measured = material.measured
+         && force == elutria::laws::MeasuredVelocity::name;
+        const bool other = force == "nonSphereDrag"
+         && mag(sphericity_ - material.form.sphericity) > SMALL;
+        const bool ofSpheres =
+            law ? !law->knowsShape : force == "PlessisMasliyahDrag";
+
+        if (measured || !(other || ofSpheres))
+        {
+            return true;
+        }
     }
-    elutria::laws::Form sphere(form);
-    sphere.sphericity = sphere.flatness = sphere.elongation = 1;
-    constexpr scalar Re = 100;
-    return law_->CdRe(Re, 1, form) == law_->CdRe(Re, 1, sphere);
+    return forces_.empty();
+}
+
+
+void CaseDrag::requireShapesKnown(const Feed& feed) const
+{
+    for (const Feed::Material& material : feed.materials())
+    {
+        const elutria::laws::Form& form = material.form;
+        if ((form.sphericity == 1 && !form.hasAxes()) || knowsShape(material))
+        {
+            continue;
+        }
+        OStringStream shape;
+        if (form.hasAxes())
+        {
+            shape
+                << "flatness " << form.flatness
+                << " and elongation " << form.elongation;
+        }
+        else
+        {
+            shape << "sphericity " << form.sphericity;
+        }
+        FatalIOErrorInFunction(feed)
+            << material.name << " has " << shape.str().c_str() << ", which "
+            << listed(forces_).c_str() << " does not take, allowed: 1, or"
+            << " particleForces with one of " << lawsOfShape().c_str()
+            << exit(FatalIOError);
+    }
 }
 
 

@@ -233,30 +233,6 @@ void ScenePlan::announceContacts
 }
 
 
-void ScenePlan::warnOfShapes
-(
-    PlanTable& table,
-    const Feed& feed,
-    const CaseDrag& drag
-) const
-{
-    for (const Feed::Material& m : feed.materials())
-    {
-        if (drag.ignoresShape(m))
-        {
-            table.warn
-            ({
-                "shapeUnused", "drag takes " + m.name + " as spheres",
-                drag.forces()[0] + " knows no shape, constant/feed has a"
-                " sphericity of " + threeDigits(m.form.sphericity),
-                "take HaiderLevenspielDrag, or another law of the shape",
-                1 - m.form.sphericity
-            });
-        }
-    }
-}
-
-
 void ScenePlan::announceFeed
 (
     PlanTable& table,
@@ -309,7 +285,6 @@ void ScenePlan::announceFeed
         "relaxation " + threeDigits(relaxation.first) + " .. "
       + threeDigits(relaxation.second) + " s"
     );
-    warnOfShapes(table, feed, drag);
 }
 
 
