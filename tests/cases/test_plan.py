@@ -178,7 +178,9 @@ def test_a_shape_that_the_drag_does_not_know_is_refused(
         assert old in text
         (column / file).write_text(text.replace(old, new))
     if refused:
-        line = f"{refused}, which SchillerNaumannDrag does not take, allowed: .*HaiderLevenspielDrag"
+        line = (
+            f"{refused}, which SchillerNaumannDrag does not take, allowed: .*HaiderLevenspielDrag"
+        )
         with pytest.raises(InputError, match=line):
             ask_plan(Case(column))
     else:

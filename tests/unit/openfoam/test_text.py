@@ -11,7 +11,7 @@ import pytest
 
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import set_entry
-from elutria.openfoam.text import values_of, with_value
+from elutria.openfoam.text import line_with, values_of, with_value
 
 TEXT = """\
 FoamFile { version 2.0; format ascii; class dictionary; object d; }
@@ -69,3 +69,9 @@ def test_an_entry_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="d: "):
         set_entry(file, "gasVelocty", "5")
     assert file.read_text() == TEXT
+
+
+def test_the_line_of_an_expression_is_found() -> None:
+    assert line_with(TEXT, "0.5 * $gasVelocity") == 9
+    assert line_with(TEXT, "gasVelocity 8") == 11
+    assert line_with(TEXT, "nothing of it") == 0

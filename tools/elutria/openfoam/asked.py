@@ -16,6 +16,7 @@ from typing import Any
 
 from elutria.errors import InputError, one_line
 from elutria.openfoam.started import started_in
+from elutria.openfoam.text import line_with
 
 SOLVER = "elutriaFoam"
 _MARK = "elutria: dictionaries "
@@ -89,6 +90,9 @@ def _shown(reason: str, case: Path, file: str) -> str:
     name = case.resolve().name
     said = reason.replace(f"{case.resolve()}/", f"{name}/")
     said = re.sub(r"[^\s\"]*/(?=(?:constant|system)/)", lambda _: f"{name}/", said)
+    expression = re.search(r"in expression <<<< (.*?) >>>>", said, re.DOTALL)
+    if expression and (line := line_with((case / file).read_text("latin-1"), expression[1])):
+        said = f"{name}/{file} on line {line}: {said}"
     return one_line(said if Path(file).name in said else f"{name}/{file}: {said}", 400)
 
 

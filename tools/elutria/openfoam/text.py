@@ -45,3 +45,13 @@ def with_value(text: str, keys: Sequence[str], value: str) -> str:
     for start, end in reversed(values_of(text, keys)):
         text = text[:start] + value + text[end:]
     return text
+
+
+def line_with(text: str, part: str) -> int:
+    """Number of the first line of `text` that holds `part`, blanks and quotes aside; 0: none."""
+
+    def bare(words: str) -> str:
+        return re.sub(r'[\s"]', "", words)
+
+    lines = enumerate(text.splitlines(), start=1)
+    return next((number for number, line in lines if bare(part) in bare(line)), 0)

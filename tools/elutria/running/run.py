@@ -27,6 +27,7 @@ from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates import machine
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in
+from elutria.openfoam.text import line_with
 from elutria.running import costs
 from elutria.running.ahead import Ahead
 from elutria.running.extend import replaced_inputs
@@ -268,9 +269,27 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
             except ElutriaError as error:
                 reason = re.sub(r" \(see [^)]*\)$", "", str(error))
                 reason = reason.partition("elutria: failed: ")[2] or reason
+                if "shared library" in reason:  # OpenFOAM names the file that includes the code
+                    reason += _code_in(copy)
                 raise InputError(reason.replace(str(copy.path), str(case.path))) from error
             found.append(read_plan(copy.path))
     return found
+
+
+_LARGEST_DICTIONARY = 1_000_000
+"""Bytes; larger files are fields."""
+
+
+def _code_in(case: Case) -> str:
+    """Where a case's dictionaries have code to compile, for the end of a message."""
+    found = [
+        f"{path.relative_to(case.path)} on line {line}"
+        for path in sorted(case.path.glob("*/*"))
+        if path.is_file() and path.stat().st_size < _LARGEST_DICTIONARY
+        for code in ("#calc", "#codeStream")
+        if (line := line_with(path.read_text("latin-1"), code))
+    ]
+    return f"; code is in {', '.join(found)}" if found else ""
 
 
 @contextlib.contextmanager
