@@ -145,7 +145,7 @@ CONSTANTS = f"{malformed.CLOUD}:constantProperties"
         (f"{CONTROL}:writeFormat", "bynary", "writeFormat is bynary, allowed: ascii, binary"),
         (f"{CONTROL}:endTime", -1, "endTime is -1, allowed: 0 or more"),
         (f"{CONSTANTS}/alphaMax", 2, "alphaMax is 2, allowed: above 0, up to 1"),
-        (f"{CONTACTS}/particle/youngsModulus", 1e300, "allowed: above 0, up to 1e18 Pa"),
+        (f"{CONTACTS}/particle/youngsModulus", 1e300, "allowed: above 0, up to 1e24 Pa"),
         (f"{malformed.FEED}:duration", 1e300, "allowed: above 0, up to 1000000000"),
     ],
     ids=lambda given: str(given).rpartition(":")[2],

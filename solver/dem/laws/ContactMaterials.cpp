@@ -13,7 +13,7 @@ namespace
 {
 
 /// A ten-thousandth of it is diamond; beyond, contact steps are too short to end.
-constexpr double stiffest = 1e18;   // Pa
+constexpr double stiffest = 1e24;   // Pa
 
 } // namespace
 
@@ -42,7 +42,7 @@ void ContactMaterials::check() const
     {
         const std::string of = " of contact material '" + m.name + "'";
         require(m.youngsModulus > 0 && m.youngsModulus <= stiffest, "youngsModulus" + of,
-                m.youngsModulus, "above 0, up to 1e18 Pa");
+                m.youngsModulus, "above 0, up to 1e24 Pa");
         require(m.poissonRatio > -1 && m.poissonRatio <= 0.5, "poissonRatio" + of,
                 m.poissonRatio, "above -1, up to 0.5");
     }

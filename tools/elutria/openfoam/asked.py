@@ -90,8 +90,12 @@ def _shown(reason: str, case: Path, file: str) -> str:
     name = case.resolve().name
     said = reason.replace(f"{case.resolve()}/", f"{name}/")
     said = re.sub(r"[^\s\"]*/(?=(?:constant|system)/)", lambda _: f"{name}/", said)
+    text = (case / file).read_text("latin-1")
+    included = re.findall(r'#include\w*\s+"([^"]+)"', text)
+    if "environment variable name" in said and included:  # a name that one of them lacks
+        said = f"{name}/{file}, which includes {', '.join(included)}: {said}"
     expression = re.search(r"in expression <<<< (.*?) >>>>", said, re.DOTALL)
-    if expression and (line := line_with((case / file).read_text("latin-1"), expression[1])):
+    if expression and (line := line_with(text, expression[1])):
         said = f"{name}/{file} on line {line}: {said}"
     return one_line(said if Path(file).name in said else f"{name}/{file}: {said}", 400)
 

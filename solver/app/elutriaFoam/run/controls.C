@@ -22,7 +22,8 @@ void requireSoundControl(const dictionary& controlDict)
         }
     }
 
-    const scalar end = controlDict.getOrDefault<scalar>("endTime", 0);
+    scalar end = 0;
+    controlDict.readIfPresent("endTime", end);
     if (end < 0)
     {
         FatalIOErrorInFunction(controlDict)
