@@ -22,7 +22,7 @@ from elutria.running.run import make_mesh, run_case
 from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
 from elutria_validation.harness.cases import times
 from elutria_validation.harness.programs import project_root
-from tests.support.clearance import distances, gap_to_others, read_cloud, wall_triangles
+from tests.support.clearance import distances, gap_to_others, read_cloud, wall_surfaces
 
 Note = Callable[[str, float, float], None]
 
@@ -194,12 +194,14 @@ def test_none_is_outside_and_none_hangs_in_mid_air(
         particles=600, feedTime=0.5, drainTime=1.5,
     )  # fmt: skip
     accounts_close(case, measured)
-    walls = wall_triangles(case)
+    surfaces = wall_surfaces(case)
     deepest, hanging, before = 0.0, 0, None
     for time in (name for name in times(case)[1:] if len(name) <= 3):  # each 0.1 s
         ids, cloud = read_cloud(case, time)
         radius = cloud.diameter / 2
-        gap = distances(cloud.position, walls) - radius if len(ids) else np.empty(0)
+        # a warped face has several surfaces; outside is who is outside all of them
+        to_walls = [distances(cloud.position, walls) for walls in surfaces if len(ids)]
+        gap = np.max(to_walls, axis=0) - radius if to_walls else np.empty(0)
         deepest = max(deepest, float((-gap / radius).max(initial=0)))
         if before is not None:
             here, there = np.isin(ids, before[0]), np.isin(before[0], ids)

@@ -25,8 +25,9 @@ def read_cloud(case: Path, time: str) -> tuple[NDArray[np.int64], Particles]:
     return np.sort(numbers[1:]), read_particles(case, time)
 
 
-def wall_triangles(case: Path) -> Array:
-    """Triangles (n, 3, 3), m, of all faces of type wall of an ASCII mesh."""
+def wall_surfaces(case: Path) -> list[Array]:
+    """Triangles (n, 3, 3), m, of all faces of type wall of an ASCII mesh, by the corner in which
+    those of a face meet: where a face is warped, each choice is another surface."""
     mesh = case / "constant/polyMesh"
     number = r"[-+\d.e]+"
     rows = re.findall(
@@ -34,16 +35,23 @@ def wall_triangles(case: Path) -> Array:
     )
     points = np.array(rows, dtype=float)
     faces = re.findall(r"\d+\(([\d ]+)\)", (mesh / "faces").read_text().partition("}")[2])
-    triangles = []
+    polygons: list[Array] = []
     for patch in re.findall(r"\{([^}]*)\}", (mesh / "boundary").read_text().partition("}")[2]):
         if not re.search(r"type\s+wall;", patch):
             continue
         first, count = (int(re.search(rf"{name}\s+(\d+)", patch)[1]) for name in  # type: ignore
                         ("startFace", "nFaces"))  # fmt: skip
-        for face in faces[first : first + count]:
-            a, *others = (points[int(k)] for k in face.split())
-            triangles += [(a, b, c) for b, c in pairwise(others)]
-    return np.array(triangles)
+        polygons += [
+            points[[int(k) for k in face.split()]] for face in faces[first : first + count]
+        ]
+    return [
+        np.array([t for polygon in polygons for t in _fan(np.roll(polygon, -corner, axis=0))])
+        for corner in range(max(len(polygon) for polygon in polygons))
+    ]
+
+
+def _fan(polygon: Array) -> list[Array]:
+    return [np.stack([polygon[0], b, c]) for b, c in pairwise(polygon[1:])]
 
 
 def distances(places: Array, triangles: Array) -> Array:
