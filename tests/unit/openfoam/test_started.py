@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from elutria.case.case import Case
+from elutria.errors import InputError
 from elutria.openfoam.started import started_in
-from elutria.running.run import make_mesh
+from elutria.running.run import ask_plan, make_mesh
 
 COLUMN = Path(__file__).resolve().parents[3] / "cases/column"
 
@@ -49,3 +50,16 @@ def test_a_mesh_is_made_in_a_folder_with_spaces_and_quotes(tmp_path: Path) -> No
     shutil.copytree(COLUMN, case)
     make_mesh(Case(case))
     assert (case / "constant/polyMesh/faces").is_file()
+
+
+def test_a_refusal_names_the_case_and_what_its_mesh_is_made_from(tmp_path: Path) -> None:
+    case = tmp_path / "two words"
+    shutil.copytree(COLUMN, case, ignore=shutil.ignore_patterns("polyMesh", "[1-9]*"))
+    plan = case / "system/blockMeshDict"
+    text = plan.read_text()
+    assert "faces ((0 4 7 3))" in text or "(0 4 7 3)" in text
+    plan.write_text(text.replace("(0 4 7 3)", ""))  # of the walls: now of no patch
+    with pytest.raises(InputError) as refused:
+        ask_plan(Case(case))
+    assert f"{case}/constant/polyMesh" in str(refused.value)
+    assert "made from system/blockMeshDict" in str(refused.value)

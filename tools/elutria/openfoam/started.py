@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _REFUSED = re.compile(r"[\s\"']")
+_LINK = re.compile(rf"{re.escape(tempfile.gettempdir())}/elutria-[^/\s]+/case\b")
 
 
 @contextmanager
@@ -29,3 +30,8 @@ def started_in(folder: Path, command: list[str]) -> Iterator[list[str]]:
         yield ["env", f"PWD={path}", *command]
     else:
         yield command
+
+
+def with_own_name(said: str, folder: Path) -> str:
+    """A message of a program started so, with the folder's own name in place of the link's."""
+    return _LINK.sub(lambda _: str(folder), said)

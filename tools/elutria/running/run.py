@@ -26,7 +26,7 @@ from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates import machine
 from elutria.files import read_json, write_json, writing_to
-from elutria.openfoam.started import started_in
+from elutria.openfoam.started import started_in, with_own_name
 from elutria.openfoam.text import line_with
 from elutria.running import costs
 from elutria.running.ahead import Ahead
@@ -267,17 +267,25 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
                     shutil.copytree(meshed, mesh, dirs_exist_ok=True)
                 _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
             except ElutriaError as error:
-                reason = re.sub(r" \(see [^)]*\)$", "", str(error))
-                reason = reason.partition("elutria: failed: ")[2] or reason
-                if "shared library" in reason:  # OpenFOAM names the file that includes the code
-                    reason += _code_in(copy)
-                raise InputError(reason.replace(str(copy.path), str(case.path))) from error
+                raise InputError(_refusal(case, copy, str(error))) from error
             found.append(read_plan(copy.path))
     return found
 
 
 _LARGEST_DICTIONARY = 1_000_000
 """Bytes; larger files are fields."""
+
+
+def _refusal(case: Case, copy: Case, said: str) -> str:
+    """What a program said of a case's `copy`, as of the case itself."""
+    reason = re.sub(r" \(see [^)]*\)$", "", said)
+    reason = reason.partition("elutria: failed: ")[2] or reason
+    if "shared library" in reason:  # OpenFOAM names the file that includes the code
+        reason += _code_in(copy)
+    if "constant/polyMesh" in reason and not case.keeps_mesh:
+        maker = case.mesh_script or "system/blockMeshDict"
+        reason += f"; the mesh is made from {maker}"
+    return with_own_name(reason, case.path).replace(str(copy.path), str(case.path))
 
 
 def _code_in(case: Case) -> str:
