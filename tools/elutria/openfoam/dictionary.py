@@ -391,11 +391,10 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
 def _set_in_text(path: Path, keys: list[str], value: str, unread: InputError) -> None:
     """Raises `unread` where the text has no such entry either."""
     text = read_text(path, limit=5_000_000)
-    changed = with_value(text, keys, value)
     if not values_of(text, keys):
         raise unread
     with writing_to(path.parent):
-        path.write_text(changed, encoding="utf-8")
+        path.write_text(with_value(text, keys, value), encoding="utf-8")
 
 
 def _one_value(shown: str, entry: str, text: str) -> Any:
