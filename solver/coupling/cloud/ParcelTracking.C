@@ -234,9 +234,10 @@ void ParcelTracking::trackParcel
     // A parcel that slides along walls without end is left where it is
     label attempts = 0;
 
-    // Where the cloud's functions know it to be: slides are told with the next
-    // move
-    point known(p.stepFraction() > 0 ? p.position() : flight.from);
+    // Where the cloud's functions, if there are any, know it to be: slides are
+    // told with the next move
+    const bool told = cloud_.functions().size();
+    point known(told && p.stepFraction() > 0 ? p.position() : flight.from);
 
     while
     (
@@ -254,8 +255,11 @@ void ParcelTracking::trackParcel
         const scalar spent = (p.stepFraction() - before)*dt;
         p.age() = flight.age + p.stepFraction()*dt;
 
-        callPostMove(cloud_.functions(), p, spent, known, td);
-        known = p.position();
+        if (told)
+        {
+            callPostMove(cloud_.functions(), p, spent, known, td);
+            known = p.position();
+        }
         if (!p.onFace())
         {
             continue;
@@ -282,7 +286,7 @@ void ParcelTracking::trackParcel
 
     if (td.keepParticle && !td.switchProcessor)
     {
-        if (p.position() != known)
+        if (told && p.position() != known)
         {
             callPostMove(cloud_.functions(), p, 0, known, td);
         }
