@@ -549,3 +549,18 @@ def test_names_of_code_in_the_texts_are_there() -> None:
                     gone.append(f"{page.name}: {name}")
     assert seen > 40
     assert gone == []
+
+
+def test_tests_that_the_pages_name_are_there() -> None:
+    """FILE::TEST in the table of what is held by which test; ::TEST is in the file before it."""
+    missing, seen, tests = [], 0, ""
+    page = (ROOT / "docs/developers/testing.md").read_text()
+    for file, name in re.findall(r"`([\w/]+\.py)?(?:::(test_\w+))?`", page):
+        if file:
+            path = ROOT / ("tests/cases/" if "/" not in file else "") / file
+            tests = path.read_text()
+        if name:
+            seen += 1
+            missing += [] if f"def {name}(" in tests else [name]
+    assert seen > 30
+    assert missing == []

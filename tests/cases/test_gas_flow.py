@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,18 @@ from elutria.case.case import PARAMETERS, Case, Setting
 from elutria.cli import main
 from elutria.errors import InputError
 from elutria.files import read_csv
-from elutria.running.gas import mean_gas, require_acting_velocity
+from elutria.running.gas import gas_warnings, mean_gas, require_acting_velocity
 from elutria.running.run import ask_plan
 from elutria.tables import PATCH_FLOWS
 from elutria_validation.harness.box import BoxCase
-from elutria_validation.harness.cases import add_feed, change, solve, times, uniform
+from elutria_validation.harness.cases import (
+    CONTROL,
+    add_feed,
+    change,
+    solve,
+    times,
+    uniform,
+)
 
 LOADING, SIDE, DENSITY, GRAVITY = 0.1, 0.1, 1.2, 9.80665
 INLET = "0/U.air:boundaryField/inflow"
@@ -77,6 +85,29 @@ def test_a_total_pressure_drives_the_gas_and_the_feed_follows(tmp_path: Path) ->
     state = (case / times(case)[-1] / "uniform/feedGas").read_text()
     told = float(state.split("massFlow")[1].split(";")[0])
     assert told == pytest.approx(entered, rel=1e-5)
+
+
+@pytest.mark.parametrize("later", [2.0, 4.0])
+def test_gas_that_changes_on_the_way_is_told_of(tmp_path: Path, later: float) -> None:
+    """The feed and the label are those of the gas at first, 2 m/s."""
+    table = f"((0 (0 0 2)) (0.009 (0 0 2)) (0.01 (0 0 {later})) (9 (0 0 {later})))"
+    case = box(tmp_path / "case", {"type": "fixedValue", "value": [0, 0, 2]}, 2)
+    field = case / "0/U.air"
+    text = field.read_text()
+    assert "fixedValue" in text
+    kind = f"type uniformFixedValue; uniformValue table {table}; value uniform (0 0 2);"
+    field.write_text(re.sub(r"(inflow\s*\{)[^}]*\}", rf"\1 {kind} }}", text))
+    more = {"constant/feed:parcels": "evenSizes", "constant/feed:duration": 0.02}
+    change(case, {f"{CONTROL}:endTime": 0.02, f"{CONTROL}:writeInterval": 0.005, **more})
+    plan = plan_of(case)
+    assert plan["gas"]["superficial_m_s"] == pytest.approx(2)
+    told = gas_warnings(case, 2.0)
+    assert [warned.name for warned in told] == (["gasChanges"] if later > 2 else [])
+    if told:
+        assert "2 m/s at first, 3" in told[0].how_much
+        assert "(2 to 4)" in told[0].how_much
+        fed = json.loads((case / "postProcessing/ledger.json").read_text())["total"]["injected"]
+        assert fed["mass_kg"] == pytest.approx(LOADING * DENSITY * 0.02 * 0.02, rel=1e-9)
 
 
 @pytest.fixture

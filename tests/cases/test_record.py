@@ -27,6 +27,8 @@ from elutria_validation.harness.cases import (
     material,
     solve,
 )
+from elutria_validation.harness.particles import HEADER
+from elutria_validation.harness.programs import run_program
 from tests.cases.test_continuation import rows
 
 RATE = 2e-3
@@ -111,6 +113,50 @@ def test_what_would_change_the_past_is_refused(
 def test_a_feed_that_is_gone_is_refused(case: Path) -> None:
     (case / FEED_FILE).unlink()
     assert "constant/feed: file not found" in refusal(case)
+
+
+SIEVES = "diameter_um,cumulative\n200,0\n400,0.5\n600,1\n"
+
+
+def test_what_stands_in_a_file_that_the_feed_names_is_of_the_past_too(tmp_path: Path) -> None:
+    case = BoxCase(gas_velocity=2, cells=(3, 3, 3), end=0.1, interval=0.05).make(tmp_path / "case")
+    sieves = case / "constant/sieves.csv"
+    sieves.write_text(SIEVES)
+    add_feed(
+        case, {**FEED, "materials": material(2650, type="sieve", file='"constant/sieves.csv"')}
+    )
+    solve(case)
+    change(case, {f"{CONTROL}:endTime": 2})
+    sieves.write_text(SIEVES.replace("0.5", "0.9"))
+    said = refusal(case)
+    assert 'solid/sizeDistribution/file is "constant/sieves.csv of SHA-1' in said
+    sieves.write_text(SIEVES)
+    solve(case)
+    assert ledger(case)["mass_closure_error"] < 1e-12
+
+
+def test_a_source_of_the_gas_that_was_not_there_is_refused(case: Path) -> None:
+    (case / "constant/fvOptions").write_text(
+        HEADER.format("dictionary", "constant", "fvOptions")
+        + "drive { type meanVelocityForce; selectionMode all; fields (U.air); Ubar (0 0 3); }\n"
+    )
+    said = refusal(case)
+    assert "constant/fvOptions: drive is a dictionary" in said
+    assert "when it was absent" in said
+
+
+@pytest.mark.parametrize("entry, value", [("taller", "0.12"), ("finer", "5")])
+def test_another_mesh_is_refused(case: Path, entry: str, value: str) -> None:
+    """By hand in the plan of the mesh: a fifth taller with as many cells, or in more cells."""
+    old = {"taller": "$height", "finer": "$cellsAlong"}[entry]
+    plan = case / "system/blockMeshDict"
+    assert old in plan.read_text()
+    plan.write_text(plan.read_text().replace(old, value))
+    run_program(["blockMesh"], case)
+    said = refusal(case)
+    assert "constant/polyMesh: the mesh is" in said
+    assert {"taller": "27 cells, 0.0012 m3", "finer": "45 cells, 0.001 m3"}[entry] in said
+    assert "when it was 27 cells, 0.001 m3" in said
 
 
 def test_a_longer_feed_begins_as_the_shorter_and_lasts_as_long_as_asked(

@@ -20,6 +20,7 @@ from elutria_validation.harness.cases import (
     read_gas,
     times,
 )
+from elutria_validation.harness.particles import Particles
 from elutria_validation.harness.scenes import EndedEarly, attempt, colliding, contacts
 
 
@@ -102,3 +103,18 @@ def test_a_long_gas_step_is_taken_in_parts(tmp_path: Path) -> None:
     log = (cases[0] / "log.elutriaFoam").read_text()
     assert log.count("continuity errors") > 2 * log.count("\nTime = ")
     assert np.abs(gas[0] - gas[1]).max() < 0.01 * np.abs(gas[1]).max()
+
+
+def test_a_first_step_that_cannot_be_taken_leaves_the_start_as_it_was(tmp_path: Path) -> None:
+    """Spheres that meet their own images: the reason is said, and what the user wrote is kept."""
+    places = [[0.004 * (i + 1), 0.00075, 0.01] for i in range(3)]
+    case = BoxCase(
+        width=0.02, depth=1.5e-3, height=0.02, sides="cyclic", contacts=Contacts(), end=0.01
+    ).make(tmp_path / "case", Particles.of(places, diameter=2e-3))
+    before = {path: path.read_bytes() for path in (case / "0").rglob("*") if path.is_file()}
+    done = subprocess.run(["elutriaFoam"], cwd=case, capture_output=True, text=True, check=False)
+    (line,) = [x for x in done.stdout.splitlines() if x.startswith("elutria: failed:")]
+    assert done.returncode == 1
+    assert "periodic box is 0.0015 m wide in y" in line
+    assert {path: path.read_bytes() for path in before} == before
+    assert not list(case.glob("elutriaUnfinished.*"))

@@ -413,7 +413,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     from elutria.classification.events import read_run
     from elutria.estimates.model_error import model_errors
     from elutria.estimates.theory import write_theory
-    from elutria.running.gas import label_warnings, write_gas
+    from elutria.running.gas import gas_warnings, write_gas
     from elutria.running.marker import FINISHED
     from elutria.running.run import wall_time
     from elutria.warned import read_warnings, set_tool_warnings, solver_warnings
@@ -422,7 +422,7 @@ def _classify_folder(folder: Path, to: Path, quiet: bool = False, wide: bool = F
     seconds = wall_time(folder) if (folder / FINISHED).is_file() else float("nan")
     velocity = case.velocity_of_run()
     run = read_run(folder)
-    labels = label_warnings(folder, velocity)
+    labels = gas_warnings(folder, velocity)
     warned = len(solver_warnings(folder)) + len(labels)
     tables = classify_run(run, velocity, seconds, warned, model_errors(case))
     tables.write(to)

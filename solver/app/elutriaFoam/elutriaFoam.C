@@ -18,6 +18,7 @@ Description
 #include "cloud/ElutriaCloud.H"
 #include "cloud/stockWords.H"
 #include "contacts/meshDimensions.H"
+#include "feed/FeedRecord.H"
 #include "gas/GasPhase.H"
 #include "gas/GasTable.H"
 #include "schedule/ScenePlan.H"
@@ -106,15 +107,23 @@ void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
 }
 
 
-//- Write the state before a step that cannot be taken, to start again from
+//- Write the state before a step that cannot be taken, to start again from. The
+//  start's own is there already, in files of the user's.
 void writeLastSound(Time& runTime, ElutriaCloud& cloud)
 {
-    AtomicTime(runTime).write([&]()
+    if (runTime.timeIndex() == runTime.startTimeIndex())
     {
-        cloud.writeState();
         Warnings::write();
-        runTime.writeNow();
-    });
+    }
+    else
+    {
+        AtomicTime(runTime).write([&]()
+        {
+            cloud.writeState();
+            Warnings::write();
+            runTime.writeNow();
+        });
+    }
     Info<< "elutria: last sound state written, time " << runTime.timeName()
         << endl;
     returnReduce(true, andOp<bool>());      // all have written
@@ -246,6 +255,7 @@ void run(const argList& args)
     requireSoundMesh(runTime);
     #include "createMesh.H"
     refuseWedges(mesh);
+    feedRecord::requireSameMesh(mesh);
     #include "createControl.H"
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"

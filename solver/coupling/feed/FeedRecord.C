@@ -6,12 +6,15 @@
 \*---------------------------------------------------------------------------*/
 
 #include "feed/FeedRecord.H"
+#include "foam/caseText.H"
 #include "foam/foamVersion.H"
 #include "IFstream.H"
 #include "OFstream.H"
 #include "OSspecific.H"
 #include "IOdictionary.H"
+#include "volFields.H"
 #include "Time.H"
+#include "SHA1.H"
 #include "wordRes.H"
 
 namespace Foam
@@ -178,9 +181,9 @@ const HashTable<wordRes> settingsFiles
     {"constant", wordRes({
         wordRe("g"), wordRe("transportProperties"),
         wordRe("turbulenceProperties.*", wordRe::REGEX),
-        wordRe(".*CloudProperties", wordRe::REGEX)
+        wordRe(".*CloudProperties", wordRe::REGEX), wordRe("fvOptions")
     })},
-    {"system", wordRes({wordRe("simulationParameters")})}
+    {"system", wordRes({wordRe("simulationParameters"), wordRe("fvOptions")})}
 });
 
 
@@ -196,6 +199,75 @@ wordList filesIn(const word& folder, const fileName& place)
         }
     }
     return wordList(names);
+}
+
+
+//- The feed's entries that name a file, with a digest of what stands in it
+dictionary namedFiles(const dictionary& feed)
+{
+    dictionary named;
+    for (const entry& e : feed)
+    {
+        if (e.isDict())
+        {
+            const dictionary below(namedFiles(e.dict()));
+            if (!below.empty())
+            {
+                named.add(e.keyword(), below);
+            }
+        }
+        else if (e.keyword() == "file")
+        {
+            const fileName file(feed.get<fileName>("file"));
+            const SHA1 content(caseText(file));
+            named.add("file", string(file + " of SHA-1 " + content.digest().str()));
+        }
+    }
+    return named;
+}
+
+
+//- Number of cells, volume, and moments about the origin: others where a mesh
+//  was made again in another shape
+dictionary shapeOf(const fvMesh& mesh)
+{
+    const scalarField& V = mesh.V();
+    const vectorField& C = mesh.C().primitiveField();
+    dictionary shape;
+    shape.add("cells", returnReduce(mesh.nCells(), sumOp<label>()));
+    shape.add("volume", gSum(V));
+    shape.add("firstMoments", gSum(vectorField(V*C)));
+    shape.add("secondMoments", gSum(vectorField(V*cmptMultiply(C, C))));
+    return shape;
+}
+
+
+//- Of meshes whose sums differ by rounding only
+bool sameShape(const dictionary& a, const dictionary& b, const scalar size)
+{
+    const scalar volume = b.get<scalar>("volume");
+    const auto apart = [volume](const vector& one, const vector& other)
+    {
+        return mag(one - other)/volume;
+    };
+    return
+        a.get<label>("cells") == b.get<label>("cells")
+     && mag(a.get<scalar>("volume") - volume) <= 1e-9*volume
+     && apart(a.get<vector>("firstMoments"), b.get<vector>("firstMoments"))
+     <= 1e-9*size
+     && apart(a.get<vector>("secondMoments"), b.get<vector>("secondMoments"))
+     <= 1e-9*sqr(size);
+}
+
+
+string told(const dictionary& shape)
+{
+    OStringStream text;
+    text.precision(6);
+    text<< shape.get<label>("cells") << " cells, "
+        << shape.get<scalar>("volume") << " m3 with the middle at "
+        << shape.get<vector>("firstMoments")/shape.get<scalar>("volume");
+    return text.str();
 }
 
 } // End anonymous namespace
@@ -231,11 +303,40 @@ void feedRecord::write(const fvMesh& mesh, const dictionary& record)
 }
 
 
-dictionary feedRecord::caseFiles(const fvMesh& mesh)
+void feedRecord::requireSameMesh(const fvMesh& mesh)
+{
+    const dictionary record(read(mesh));
+    if (!record.found("mesh"))
+    {
+        return;
+    }
+    const dictionary& before = record.subDict("mesh");
+    const dictionary now(shapeOf(mesh));
+    const scalar size = mag(mesh.bounds().max()) + mag(mesh.bounds().min());
+    if (!sameShape(before, now, size))
+    {
+        Foam::refuse
+        (
+            mesh,
+            {"constant/polyMesh", "the mesh", told(before), told(now)},
+            "that, or a run from the start"
+        );
+    }
+}
+
+
+dictionary feedRecord::shape(const fvMesh& mesh)
+{
+    return shapeOf(mesh);
+}
+
+
+dictionary feedRecord::caseFiles(const fvMesh& mesh, const dictionary& feed)
 {
     dictionary files;
     if (Pstream::master())
     {
+        files.add("named", namedFiles(feed));
         for (const word folder : {"constant", "system"})
         {
             const fileName place(mesh.time().globalPath()/folder);
@@ -292,6 +393,14 @@ wordHashSet feedRecord::changes
                 now.subOrEmptyDict(name), elsewhere
             );
         }
+    }
+    if (before.found("named"))
+    {
+        compare
+        (
+            "constant/feed", "",
+            before.subDict("named"), files.subDict("named"), elsewhere
+        );
     }
     for (const Change& c : elsewhere)
     {

@@ -43,7 +43,7 @@ void Feed::takeOver(const word& phaseName, const dictionary& told)
 void Feed::goOn(const word& phaseName)
 {
     case_ = *this;
-    files_ = feedRecord::caseFiles(mesh_);
+    files_ = feedRecord::caseFiles(mesh_, case_);
     const dictionary record(feedRecord::read(mesh_));
     if (record.empty())
     {
@@ -199,6 +199,7 @@ void Feed::writeRecord() const
     dictionary record;
     record.add("case", case_);
     record.add("files", files_);
+    record.add("mesh", feedRecord::shape(mesh_));
     record.add("stretch", stretch());
     feedRecord::write(mesh_, record);
 }

@@ -366,6 +366,30 @@ def test_bands_cover_curves_that_no_formula_describes(shape: Shape, worst: float
                for _, low, high in map(_at(0.5), fits)) >= 17  # fmt: skip
 
 
+def falling(y: Array) -> Array:
+    """The share to the fine product."""
+    return np.asarray(expit(-20 * y))
+
+
+def middling(y: Array) -> Array:
+    """The share to the product between two others."""
+    return np.asarray(0.9 * np.exp(-((y / 0.15) ** 2)))
+
+
+@pytest.mark.parametrize("shape", [falling, middling])
+def test_bands_cover_shares_that_do_not_rise(shape: Shape) -> None:
+    """Those of any product, as `partitionTo` may name it."""
+    truth = shape(SIZES)
+    held, width = [], []
+    for fit in fits_of(shape, 2_000, 10):
+        share, low, high = fit.band(CUT * np.exp(SIZES))
+        held.append((low <= truth) & (truth <= high))
+        width.append(high - low)
+        assert np.abs(share - truth).max() < 0.15
+    assert np.mean(held) > 0.88
+    assert np.mean(width) < 0.1
+
+
 @pytest.mark.parametrize("shape", [two_step, steep])
 def test_the_band_of_saturated_shares_is_narrow(shape: Shape) -> None:
     """Where all go one way, the band holds that and what so many events leave open."""

@@ -32,6 +32,9 @@ LIKE_SIZES = (40, 25)
 """Classes of like size: so many a decade, joined until each holds so many parcels."""
 NOTICEABLE = 1.02
 """Design effect below which events are taken to be independent."""
+REJECTED, WIDTHS = 1e-3, 8
+"""Chance below which the best formula tells nothing of the cut, and how many widths of a cut there
+are at least from the smallest to the largest size then."""
 NEIGHBOURS, GAPS = 10, 1.5
 """The cut is taken to be at least so many mean gaps wide, those between so many nearest sizes."""
 
@@ -145,7 +148,10 @@ def fit_partition(
     log_diameter = np.log(diameter)
     effective = relative_weights(diameter, weight)
     formulas = _formulas(log_diameter, coarse, effective, models)
-    cut, width = _rough_cut(log_diameter, formulas)
+    best = min(formulas, key=lambda fit: fit.aic)
+    cut, width = _rough_cut(log_diameter, best)
+    if _p_value(best, diameter, coarse, effective) < REJECTED:
+        cut, width = _within(log_diameter, cut, width)
     curve = smooth_curve(log_diameter, coarse, effective, cut, width)
     effect = design_effect(effective * (coarse - curve.share(diameter)), time)
     if effect > NOTICEABLE:
@@ -222,16 +228,22 @@ def _formulas(
     return fits
 
 
-def _rough_cut(log_diameter: Array, formulas: list[CurveFit]) -> tuple[float, float]:
+def _rough_cut(log_diameter: Array, best: CurveFit) -> tuple[float, float]:
     """ln d50 of the best formula's cut and the width of its logit, at least that of the gaps
     between neighbouring sizes: what lies in between is not seen."""
-    best = min(formulas, key=lambda fit: fit.aic)
     nearest = np.sort(np.abs(log_diameter - best.log_diameter))[:NEIGHBOURS]
     width = GAPS * 2 * float(nearest[-1]) / nearest.size
     if best.model is not None:
         inner = [best.model.log_x_at(level, best.log_shape) for level in (0.25, 0.75)]
         width = max(width, (inner[1] - inner[0]) / (2 * log(3)))
     return best.log_diameter, max(width, 1e-5)
+
+
+def _within(log_diameter: Array, cut: float, width: float) -> tuple[float, float]:
+    """A cut that no formula tells, as where the share falls or has a summit: among the sizes, and
+    no wider than lets the curve bend between them."""
+    low, high = float(log_diameter.min()), float(log_diameter.max())
+    return min(max(cut, low), high), min(width, (high - low) / WIDTHS)
 
 
 def _p_value(fit: CurveFit, diameter: Array, coarse: Flags, weight: Array) -> float:

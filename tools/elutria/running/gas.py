@@ -9,6 +9,8 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from elutria import tables
 from elutria.case.case import PARAMETERS, VELOCITY, Case, Setting
 from elutria.errors import InputError
@@ -65,7 +67,7 @@ def require_acting_velocity(
     known; nothing is solved.
 
     Where the gas goes with the velocity but differs from it, the case has its own notion of it:
-    that is a warning of the run, see label_warnings.
+    that is a warning of the run, see gas_warnings.
     """
     if planned and planned[0][0] != planned[-1][0]:
         (low, first), (high, last) = planned[0], planned[-1]
@@ -87,7 +89,37 @@ def require_acting_velocity(
             raise InputError(_refusal(case.path, label, gas, "does not act on it"))
 
 
-def label_warnings(run: Path, velocity: float) -> list[Warned]:
+def gas_warnings(run: Path, velocity: float) -> list[Warned]:
+    """What is wrong with the gas of a run that is called after a velocity (m/s)."""
+    return [*_label_warnings(run, velocity), *_change_warnings(run)]
+
+
+def _change_warnings(run: Path) -> list[Warned]:
+    """A warning where the inflow changed on the way: the run's gas velocity and a feed by `loading`
+    are those of its first gas."""
+    rows = sorted(
+        (row["time_s"], row["velocity_m_s"]) for row in _patch_flows(run) if row["patch"] == "all"
+    )
+    time, speed = np.array(rows, dtype=float).reshape(-1, 2).T
+    if len(rows) < 2 or not time[-1] > time[0] or not speed[0] > 0:
+        return []
+    mean = float(np.trapezoid(speed, time) / (time[-1] - time[0]))
+    if abs(mean / speed[0] - 1) <= ALLOWED:
+        return []
+    return [
+        Warned(
+            name="gasChanges",
+            what="the gas that flows in changed while the run went on",
+            how_much=f"{speed[0]:.4g} m/s at first, {mean:.4g} m/s on average "
+            f"({speed.min():.4g} to {speed.max():.4g})",
+            what_to_set="keep the inlet as it begins, or read the results as those of no one gas "
+            "velocity; loading is that of the first gas: give massFlowRate",
+            size=abs(mean / float(speed[0]) - 1),
+        )
+    ]
+
+
+def _label_warnings(run: Path, velocity: float) -> list[Warned]:
     """A warning where the gas of a run has not the velocity (m/s) that the run is called after."""
     if not (run / PLAN).is_file():
         return []

@@ -16,7 +16,7 @@ from elutria.estimates.model_error import model_errors
 from elutria.estimates.theory import write_theory
 from elutria.files import write_json
 from elutria.running.axes import Point, number_or_word, own_value, same_value
-from elutria.running.gas import label_warnings, write_gas
+from elutria.running.gas import gas_warnings, write_gas
 from elutria.running.marker import FINISHED, SWEEP, Identity, Marker, open_results
 from elutria.running.run import wall_time
 from elutria.warned import Warned, set_tool_warnings, solver_warnings
@@ -132,7 +132,7 @@ def _classified(
     point: Point, folders: list[Path], run: Run, seconds: float, warnings: dict[str, list[Warned]]
 ) -> Classification:
     """The rows of a point's runs, with its warnings added to `warnings` and to the runs' files."""
-    labels = label_warnings(folders[0], point.velocity)
+    labels = gas_warnings(folders[0], point.velocity)
     solvers = [solver_warnings(folder) for folder in folders]
     warned = sum(map(len, solvers)) + len(labels)
     rows = classify(run, point.velocity, seconds, warned, model_errors(Case(folders[0])))

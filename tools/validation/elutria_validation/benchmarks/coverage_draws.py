@@ -45,10 +45,12 @@ WIDE = 0.8
 """A band so wide somewhere tells nothing there."""
 COLUMNS = (
     "seed", *(f"at_{place:g}" for place in PLACES), "ends", "d25", "d50", "d75", "sharpness",
-    "width", "ideal", "widest", "ends_widest", "d50_width", "seconds",
+    "width", "ideal", "widest", "ends_widest", "d50_width", "d50_off", "sharpness_off", "seconds",
 )  # fmt: skip
 """Of a draw: 1 or 0 for what is covered or not, empty where the curve has no such size; mean widths
-of the band at PLACES, and of that of a fit of the curve's own formula (Fisher information)."""
+of the band at PLACES, and of that of a fit of the curve's own formula (Fisher information); how far
+d50 is above the true one, in halves of its interval's width; how far ln(d75/d25) is below it,
+relative to it. What the last two are on average is bias, not chance."""
 
 
 @dataclass(frozen=True)
@@ -220,9 +222,11 @@ def _sizes(fit: PartitionFit, curve: Curve, y: Array) -> Row:
             row[f"d{100 * level:.0f}"] = int(low <= exp(TYPICAL + at) <= high)
             if level == 0.5 and low > 0 and high < inf:
                 row["d50_width"] = log(high / low)
-    _, low, high = fit.sharpness_interval
+                row["d50_off"] = (log(value) - TYPICAL - at) / (log(high / low) / 2)
+    value, low, high = fit.sharpness_interval
     if low == low and true[0.25] == true[0.25] and true[0.75] == true[0.75]:
         row["sharpness"] = int(low <= exp(true[0.25] - true[0.75]) <= high)
+        row["sharpness_off"] = 1 - log(value) / (true[0.25] - true[0.75])
     return row
 
 
