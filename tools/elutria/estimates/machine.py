@@ -16,17 +16,11 @@ from time import process_time
 from typing import Any
 
 from elutria.estimates.price import Price, Spent, price
+from elutria.files import cache_folder
 
 REFERENCE_S = 0.0163
 """Processor seconds of the probe's work on the machine on which the rates were measured."""
 _KEPT = 400
-
-
-def cache_folder() -> Path:
-    """$ELUTRIA_CACHE, or elutria in the user's cache."""
-    if own := os.environ.get("ELUTRIA_CACHE"):
-        return Path(own)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "elutria"
 
 
 def slowness() -> float:
@@ -109,10 +103,10 @@ def finished() -> list[Spent]:
 
 
 def delivered(slow: float) -> list[Spent]:
-    """Runs of the column and of manganese on the reference machine, made by hand on 2026-11-27, as
-    they would be on one that takes `slow` times as long. `elutria bench price` makes them anew."""
+    """Runs of the delivered cases on the reference machine, made by `elutria bench price`, as they
+    would be on one that takes `slow` times as long."""
     kept = json.loads(files("elutria.estimates").joinpath("delivered.json").read_text())
-    runs = [Spent(**entries) for entries in kept]
+    runs = [Spent(**entries) for entries in kept["runs"]]
     return [replace(run, processor_s=slow * run.processor_s) for run in runs]
 
 
