@@ -179,3 +179,24 @@ def test_the_solver_prints_what_it_reads(column: Path) -> None:
     (column / "constant/values").write_text("n $nowhere;\n")
     with pytest.raises(InputError, match=r"constant/values.*nowhere"):
         ask(column, "constant/values")
+
+
+def test_the_solver_is_asked_once_about_runs_and_copies_of_the_same_contents(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a sweep checks before it begins is what its runs read, and what a second call reads."""
+    solver, place = shutil.which("elutriaFoam"), tmp_path / "counted/bin"
+    place.mkdir(parents=True)
+    counted = place / "elutriaFoam"
+    counted.write_text(f'#!/bin/sh\necho "$@" >> "{tmp_path}/starts"\nexec "{solver}" "$@"\n')
+    counted.chmod(0o755)
+    monkeypatch.setenv("PATH", str(place), prepend=":")
+    monkeypatch.setenv("ELUTRIA_CACHE", str(tmp_path / "cache"))
+    case = Case(column)
+    wanted = [case.settings_for(velocity, []) for velocity in (4.0, 6.0)]
+    case.check_settings(*wanted)
+    runs = [case.copy_to(tmp_path / f"run{k}", chosen) for k, chosen in enumerate(wanted)]
+    assert [run.velocity() for run in runs] == [4.0, 6.0]
+    assert [run.theory_law() for run in runs] == 2 * ["Schiller-Naumann"]
+    case.check_settings(*wanted)
+    assert (tmp_path / "starts").read_text().split() == 2 * ["-dictionaries"]

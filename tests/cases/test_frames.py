@@ -354,6 +354,10 @@ def test_a_running_column_is_steered_paused_and_paced(tmp_path: Path) -> None:
     assert [tuple(map(float, (g, w, t))) for t, g, w in told] == [
         pytest.approx(tuple(map(float, row)), rel=1e-9) for row in done
     ]
+    # shown after a step of 1 ms, or 33 ms of the clock at a tenth of real time: not after 33 ms
+    for gas, _, since in done:
+        shown = next(one.time for one in frames_of(case) if one.head["gas"] == float(gas))
+        assert shown - float(since) < 0.006
 
 
 def _sizes(log: Path) -> Iterator[int]:

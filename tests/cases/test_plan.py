@@ -13,6 +13,7 @@ from elutria.cli import main
 from elutria.errors import InputError
 from elutria.openfoam.dictionary import set_entry
 from elutria.running.run import ask_plan, read_plan, run_case
+from tests.unit.test_imports import heavy, modules
 
 BRIEF = {"particles": "5", "feedTime": "0.01", "drainTime": "0.001"}
 
@@ -200,3 +201,13 @@ def test_what_the_solver_refuses_is_one_line_of_bad_input(
     assert "\n" not in said
     assert "SchilerNaumanDrag" in said
     assert str(column) in said or "kinematicCloudProperties" in said
+
+
+def test_a_check_loads_little_and_of_a_known_case_less(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ELUTRIA_CACHE", str(tmp_path / "cache"))
+    assert heavy(modules("check", str(column))) <= {"numpy", "foamlib"}
+    again = modules("check", str(column))
+    assert heavy(again) == set()
+    assert len(again) < 450

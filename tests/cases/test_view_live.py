@@ -54,7 +54,7 @@ def test_sliders_act_on_the_column_and_death_is_told(tmp_path: Path) -> None:
         choose(browser, "loading", 0.5)
         browser.wait("Math.abs(elutria.frame.loading - 2) < 1e-3", 60)
         assert re.search(r"elutria: gas velocity 1.32 times, loading 2 times", log.read_text())
-        assert browser.ask("document.getElementById('gas-now').textContent") == "2.64 m/s"
+        browser.wait("document.getElementById('gas-now').textContent === '2.64 m/s'", 5)
         assert len(re.findall(r"\(\S+ \S+ \S+\)", (run / "system/steering").read_text())) >= 2
 
         click(browser, "pause")

@@ -67,33 +67,18 @@ def options() -> None:
 @app.command(epilog="Example: elutria check cases/column")
 def check(case: CaseArgument) -> None:
     """Say what was understood of a case: feed, limits, loading, what is skipped. Runs nothing."""
-    from elutria.estimates import kept, machine
+    from elutria.estimates import machine
     from elutria.estimates.check import report
     from elutria.estimates.price import in_words
     from elutria.output.terminal import print_table
+    from elutria.running.known import plan_of
 
-    known = kept.read(key := kept.key(case, "elutriaFoam"))
-    if known is None:
-        known = _asked(case)
-        kept.keep(key, known)
+    known = plan_of(case)
     solvers = known["plan"]
     name = case.resolve().name
     for table in report(name, known["velocity"], solvers, known["keeps_mesh"]):
         print_table(console, table)
     _say(f"expected of {in_words(machine.expected([solvers])[0], 1)}")
-
-
-def _asked(case: Path) -> dict[str, Any]:
-    """A case's gas velocity, the solver's plan of it, and whether a run keeps its mesh. Raises
-    InputError for what is wrong."""
-    from elutria.case.case import Case
-    from elutria.estimates.check import check_text
-    from elutria.running.run import ask_plan
-
-    source = Case(case)
-    check_text(source)
-    plan = ask_plan(source)
-    return {"velocity": source.velocity(), "plan": plan, "keeps_mesh": source.keeps_mesh}
 
 
 @app.command(epilog="Example: elutria run cases/column --velocity 6 --to results/one")

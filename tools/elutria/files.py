@@ -16,6 +16,13 @@ from elutria.errors import ElutriaError, InputError, one_line
 NOT_THE_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EMFILE, errno.ENOMEM)
 
 
+def cache_folder() -> Path:
+    """$ELUTRIA_CACHE, or elutria in the user's cache."""
+    if own := os.environ.get("ELUTRIA_CACHE"):
+        return Path(own)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "elutria"
+
+
 @contextmanager
 def writing_to(folder: Path) -> Iterator[None]:
     """Turn an operating system's refusal to write in `folder` into one line.

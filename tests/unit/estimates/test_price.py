@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from elutria.estimates import kept, machine
+from elutria.estimates import machine
 from elutria.estimates.price import (
     Price,
     Spent,
@@ -155,19 +155,5 @@ def test_a_cache_that_cannot_be_written_is_none(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("ELUTRIA_CACHE", str(tmp_path / "file"))
     machine.keep(Spent("a", 1, 1, 1, 1, 1, 1, 1))
-    kept.keep("a", {})
     assert machine.finished() == []
-    assert kept.read("a") is None
     assert machine.slowness() > 0
-
-
-def test_a_kept_plan_is_of_this_case_as_it_is(cache: Path, column: Path) -> None:
-    before = kept.key(column, "elutriaFoam")
-    kept.keep(before, {"plan": 1})
-    assert kept.read(kept.key(column, "elutriaFoam")) == {"plan": 1}
-    feed = column / "constant/feed"
-    feed.write_text(feed.read_text() + "\n")
-    assert kept.read(kept.key(column, "elutriaFoam")) is None
-    (column / "constant/more").write_text("")
-    assert len({before, kept.key(column, "elutriaFoam"), kept.key(column, "other")}) == 3
-    assert len(list((cache / "plans").iterdir())) == 1

@@ -16,17 +16,11 @@ from time import process_time
 from typing import Any
 
 from elutria.estimates.price import Price, Spent, price
+from elutria.files import cache_folder
 
 REFERENCE_S = 0.0163
 """Processor seconds of the probe's work on the machine on which the rates were measured."""
 _KEPT = 400
-
-
-def cache_folder() -> Path:
-    """$ELUTRIA_CACHE, or elutria in the user's cache."""
-    if own := os.environ.get("ELUTRIA_CACHE"):
-        return Path(own)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "elutria"
 
 
 def slowness() -> float:

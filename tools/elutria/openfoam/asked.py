@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from elutria.errors import InputError, one_line
+from elutria.openfoam import kept
 from elutria.openfoam.started import started_in
 from elutria.openfoam.text import line_with
 
@@ -57,13 +58,23 @@ def ask(case: Path, file: str) -> Asked | None:
 
 def _state(case: Path) -> tuple[object, ...]:
     """What tells that a case's dictionaries have not changed."""
-    files = [*case.glob("constant/*"), *case.glob("system/*")]
-    stats = [(path.name, path.stat()) for path in sorted(files) if path.is_file()]
+    stats = [(path.name, path.stat()) for path in kept.dictionaries(case)]
     return tuple((name, stat.st_mtime_ns, stat.st_size, stat.st_ino) for name, stat in stats)
 
 
 @lru_cache(maxsize=256)
 def _answers(program: str, case: Path, _files: tuple[object, ...]) -> dict[str, dict[str, Any]]:
+    """By the names of the files; from an earlier call where the same ones were read."""
+    name = kept.key(case, kept.dictionaries(case), program, "-dictionaries")
+    answers: dict[str, dict[str, Any]] | None = kept.read(name, case)
+    if answers is None:
+        answers = _told(program, case)
+        if answers:
+            kept.keep(name, case, answers)
+    return answers
+
+
+def _told(program: str, case: Path) -> dict[str, dict[str, Any]]:
     try:
         with started_in(case, [program, "-dictionaries"]) as command:
             said = subprocess.run(

@@ -7,7 +7,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from elutria.files import write_text
+from elutria.files import writing_to
 from elutria.viewing.frames import FOLDER
 
 LIMITS = {"gas": (0.05, 20.0), "loading": (0.01, 20.0), "speed": (0.0, 100.0)}
@@ -36,9 +36,14 @@ class Control:
         return Control(**wanted)
 
     def write(self, run: Path) -> None:
-        """For the solver: RUN/postProcessing/frames/control."""
-        write_text(
-            run / FOLDER / "control",
-            f"gas {self.gas:.6g};\nloading {self.loading:.6g};\n"
-            f"pause {'yes' if self.pause else 'no'};\nspeed {self.speed:.6g};\n",
-        )
+        """For the solver: RUN/postProcessing/frames/control, whole or not at all. It need not be on
+        the disk, which would keep pages waiting."""
+        file = run / FOLDER / "control"
+        temporary = file.with_name(".control.new")
+        with writing_to(file.parent):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_text(
+                f"gas {self.gas:.6g};\nloading {self.loading:.6g};\n"
+                f"pause {'yes' if self.pause else 'no'};\nspeed {self.speed:.6g};\n"
+            )
+            temporary.replace(file)

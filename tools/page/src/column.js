@@ -26,7 +26,11 @@ function drawnInSoftware() {
 export class Column {
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: !drawnInSoftware() });
+    const software = drawnInSoftware();
+    // opaque, so that the browser need not blend it with what is behind it
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: !software, stencil: false });
+    this.renderer = new WebGLRenderer({ canvas, context });
+    this.finest = software ? 1 : 2;
     this.drawn = 0;
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.renderer.setAnimationLoop(() => this.draw());
@@ -74,7 +78,7 @@ export class Column {
   resize() {
     if (!this.camera) return;
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, this.finest));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();

@@ -4,6 +4,8 @@ import { MATERIALS, PRODUCTS, INSIDE } from "./colours.js";
 
 const $ = (id) => document.getElementById(id);
 
+const READ_MS = 200;
+
 export function digits(value, count = 3) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(count))) : "–";
 }
@@ -58,6 +60,8 @@ export class Panel {
   }
 
   start(message) {
+    clearTimeout(this.due);
+    this.due = null;
     this.scene = message.scene;
     this.about = message.about;
     document.title = `${message.about.name} – Elutria`;
@@ -92,7 +96,16 @@ export class Panel {
       ? `${digits(control.loading * this.about.loading)} kg/kg` : `${digits(control.loading)} of the case's`;
   }
 
+  // Nobody reads numbers that change thirty times a second, and to set them costs as much as a picture
   numbers(frame, pace, rate) {
+    this.newest = [frame, pace, rate];
+    this.due ??= setTimeout(() => {
+      this.due = null;
+      this.write(...this.newest);
+    }, READ_MS);
+  }
+
+  write(frame, pace, rate) {
     $("time-now").textContent = `${frame.time.toFixed(2)} s`;
     if (document.activeElement !== $("time")) $("time").value = frame.time;
     $("inside").textContent = `${frame.count} parcels, ${digits(1000 * frame.inside)} g`;

@@ -113,7 +113,7 @@ std::string FrameWriter::head() const
 }
 
 
-bool FrameWriter::due() const
+bool FrameWriter::due(const Steering::Change& now) const
 {
     bool due = false;
     if (Pstream::master())
@@ -121,7 +121,12 @@ bool FrameWriter::due() const
         const scalar wait = interval_*file_->thinning();
         const scalar passed =
             std::chrono::duration<scalar>(clock::now() - lastWall_).count();
-        due = passed >= wait && time_.value() - lastTime_ >= wait*(1 - 1e-9);
+        // steps are slow while the gas changes: what was asked for shows after
+        // the first of them
+        const bool steered = now.gas != gasShown_ || now.loading != loadingShown_;
+        due =
+            passed >= wait
+         && (steered || time_.value() - lastTime_ >= wait*(1 - 1e-9));
     }
     elutriaBroadcast(due);
     return due;
@@ -264,7 +269,9 @@ FrameWriter::FrameWriter
     up_(-gas.gravity()/max(mag(gas.gravity()), VSMALL)),
     start_(clock::now()),
     lastWall_(start_ - std::chrono::hours(1)),
-    lastTime_(-GREAT)
+    lastTime_(-GREAT),
+    gasShown_(1),
+    loadingShown_(1)
 {
     const IOdictionary settings(readSettings(time));
     interval_ = 1/readSetting(settings, "perSecond", 30);
@@ -301,7 +308,7 @@ void FrameWriter::write
     const bool last
 )
 {
-    if (!due() && !last)
+    if (!due(now) && !last)
     {
         return;
     }
@@ -318,6 +325,8 @@ void FrameWriter::write
     gatherDepartures();
     std::vector<std::uint16_t> speeds = slice_.speeds(gas_.U());
     lastTime_ = time_.value();
+    gasShown_ = now.gas;
+    loadingShown_ = now.loading;
     if (Pstream::master())
     {
         lastWall_ = clock::now();

@@ -1,0 +1,38 @@
+"""What a check tells of a case: the solver's plan, which is kept until a file of it changes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from elutria.openfoam import kept
+
+
+def plan_of(path: Path) -> dict[str, Any]:
+    """A case's gas velocity (m/s), the solver's plan of it, and whether a run keeps its mesh.
+    Raises InputError for what is wrong."""
+    words = ("-plan", str(path.resolve()), *_dates(path))
+    name = kept.key(path, kept.inputs(path), "elutriaFoam", *words)
+    known = kept.read(name, path)
+    if known is None:
+        known = _asked(path)
+        kept.keep(name, path, known)
+    return known
+
+
+def _dates(path: Path) -> list[str]:
+    """When files were written, where there is a mesh: its age decides whether a run takes it."""
+    mesh = path / "constant/polyMesh"
+    files = [*mesh.glob("*"), *path.glob("system/*")] if mesh.is_dir() else []
+    return [f"{file} {file.stat().st_mtime_ns}" for file in sorted(files) if file.is_file()]
+
+
+def _asked(path: Path) -> dict[str, Any]:
+    from elutria.case.case import Case
+    from elutria.estimates.check import check_text
+    from elutria.running.run import ask_plan
+
+    source = Case(path)
+    check_text(source)
+    plan = ask_plan(source)
+    return {"velocity": source.velocity(), "plan": plan, "keeps_mesh": source.keeps_mesh}
