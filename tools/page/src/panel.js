@@ -96,7 +96,7 @@ export class Panel {
       ? `${digits(control.loading * this.about.loading)} kg/kg` : `${digits(control.loading)} of the case's`;
   }
 
-  // Nobody reads numbers that change thirty times a second, and to set them costs as much as a picture
+  // Nobody reads numbers that change thirty times a second
   numbers(frame, pace, rate) {
     this.newest = [frame, pace, rate];
     this.due ??= setTimeout(() => {
