@@ -53,6 +53,7 @@ def test_a_job_of_slurm_has_its_processors(
     column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     slurm.need()
+    monkeypatch.setenv("ELUTRIA_EXACT", "yes")
     words = (*GRID[4:], "--velocity", "5", "--np", "2")
     assert sweep(column, tmp_path / "local", "local", *words).returncode == 0
     with slurm.slurm(tmp_path / "slurm", 2) as conf:

@@ -42,6 +42,7 @@ def _more_ranks_than_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OMPI_MCA_rmaps_base_oversubscribe", "1")
     monkeypatch.setenv("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
     monkeypatch.setenv("OMPI_MCA_mpi_yield_when_idle", "1")
+    monkeypatch.setenv("ELUTRIA_EXACT", "yes")
 
 
 def column(folder: Path, feed: dict[str, object], treatment: Treatment, threads: int = 1) -> Path:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -148,6 +150,35 @@ def test_run_classify_and_plot_together(
     (quartz, everything) = json.loads(call(capsys, "classify", to, "--json").out)
     assert quartz["d50_m"] == pytest.approx(600e-6, rel=0.05)
     assert everything["material"] == "all"
+
+
+@pytest.fixture
+def one_core() -> Iterator[None]:
+    """This process, and those that it starts, may use one core alone."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    yield
+    os.sched_setaffinity(0, before)
+
+
+@pytest.mark.parametrize("command", ["run", "sweep"])
+@pytest.mark.usefixtures("fake_solver", "one_core")
+def test_processors_that_are_left_out_are_told(
+    capsys: pytest.CaptureFixture[str], column: Path, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, command: str,
+) -> None:  # fmt: skip
+    words = [command, column, "--velocity", "6", "--np", "8", "--to", tmp_path / "to"]
+    outcome = call(capsys, *words)
+    assert outcome.code == 0, outcome.err
+    line = "--np 8 -> 1: there is 1 core here (ELUTRIA_EXACT=yes takes 8)"
+    assert outcome.out.splitlines().count(line) == 1
+    assert (", on 1 of 8 processors" in outcome.out) == (command == "sweep")
+    assert line not in call(capsys, *words).out, "nothing is run"
+    monkeypatch.setenv("ELUTRIA_EXACT", "no")
+    words[-1] = tmp_path / "other"
+    outcome = call(capsys, *words)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert "ELUTRIA_EXACT=no; allowed: yes" in outcome.err
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ SetOption = Annotated[
     typer.Option("--set", metavar="FILE:ENTRY=VALUE", help="Give an entry another value."),
 ]
 ProcessorsOption = Annotated[
-    int, typer.Option("--np", min=1, help="Processors of each run (decomposePar, mpirun).")
+    int, typer.Option("--np", min=1, help="Processors of each run, at most: as many as pay.")
 ]
 WideOption = Annotated[bool, typer.Option("--wide", help="Print every column of summary.csv.")]
 FormatOption = Annotated[
@@ -120,7 +120,10 @@ def run(
         def on_step(share: float, step: Step) -> None:
             display.update(f"{source.name}", share, note(step))
 
-        run_case(source, folder, settings, np, on_step, anew=False, extend=extend, frames=frames)
+        run_case(
+            source, folder, settings, np, on_step, anew=False, extend=extend, frames=frames,
+            say=_say,
+        )  # fmt: skip
     _classify_folder(folder, folder, wide=wide)
     _plot(folder, formats)
 
@@ -166,9 +169,9 @@ def sweep(
     from elutria.running import costs
     from elutria.running.axes import grid, read_points
     from elutria.running.budget import parse_budget
-    from elutria.running.engine import open_engine, slots
+    from elutria.running.engine import open_engine, slots, threads_each
     from elutria.running.results import Results
-    from elutria.running.sweep import plan, run_sweep
+    from elutria.running.sweep import paying, plan, run_sweep
 
     source = Case(case)
     if points is not None and (velocity is not None or vary):
@@ -184,12 +187,21 @@ def sweep(
         raise InputError(f"--budget {budget}: allowed: either it, or --precision")
     asked = None if precision is None else Precision(precision, most_runs)
     goal = asked if budget is None else parse_budget(budget)
+    each = np
+    if engine == "local":
+        choice = paying(source, members, np)
+        each = choice.np
+        if choice.why:
+            _say(choice.why)
+    at_once = slots(engine, jobs, each)
+    together = at_once if goal else min(at_once, len(members))
+    threads = threads_each(together, each) if engine == "local" else None
     with (
-        open_engine(engine, jobs, np, (source.path, folder), _say) as executor,
-        _SweepDisplay(len(members), slots(engine, jobs, np)) as display,
+        open_engine(engine, jobs, each, (source.path, folder), _say) as executor,
+        _SweepDisplay(len(members), at_once) as display,
     ):
         try:
-            result = run_sweep(results, members, executor, np, display, goal)
+            result = run_sweep(results, members, executor, np, display, goal, threads)
         except KeyboardInterrupt:
             done = sum(len(runs) for runs in results.finished().values())
             _say(f"{done} of {len(members)} runs are finished; their tables are in {folder}")
@@ -197,7 +209,7 @@ def sweep(
     if result.skipped:
         console.print(f"{result.skipped} runs were complete before", style="dim")
     if result.ran:
-        _say(f"spent by {in_words(costs.came_to(result.ran), slots(engine, jobs, np))}")
+        _say(f"spent by {in_words(costs.came_to(result.ran), at_once)}")
     _show(result.tables, wide, folder)
     _warn(result.warnings)
     for name in result.imprecise:

@@ -13,9 +13,11 @@
 #include "foam/engineVectors.H"
 #include "foam/ownEntries.H"
 #include "laws/LawList.hpp"
+#include "parallel/coresOfProcess.H"
 #include "cyclicPolyPatch.H"
 #include "processorCyclicPolyPatch.H"
 #include "Enum.H"
+#include "OSspecific.H"
 #include "SubField.H"
 #include "wallPolyPatch.H"
 #include "volFields.H"
@@ -122,6 +124,23 @@ PairProperties readStockPair(const dictionary& dict)
 }
 
 
+//- So many threads as asked for, or those that have a core: more would wait
+//  for each other. A user may insist.
+label threadsWithCores(const label asked)
+{
+    const label cores = coresOfProcess();
+    if (asked <= cores || getEnv("ELUTRIA_EXACT") == "yes")
+    {
+        return asked;
+    }
+    Info<< "elutria: cellListCoeffs: threads " << asked << " -> " << cores
+        << ": there " << (cores > 1 ? "are " : "is ") << cores << " core"
+        << (cores > 1 ? "s" : "") << " for each process (ELUTRIA_EXACT=yes"
+        << " takes " << asked << ')' << endl;
+    return cores;
+}
+
+
 //- Stock's effective modulus of two materials [Pa]
 scalar effectiveModulus(const ContactMaterial& a, const ContactMaterial& b)
 {
@@ -155,7 +174,7 @@ void ContactSettings::readOwn
     settings.treatment =
         treatments.getOrDefault("treatment", dict, settings.treatment);
     settings.search = searches.getOrDefault("search", dict, settings.search);
-    settings.threads = dict.getOrDefault<label>("threads", 1);
+    settings.threads = threadsWithCores(dict.getOrDefault<label>("threads", 1));
     settings.cellLayers = dict.getOrDefault<label>("cellLayers", 1);
     dict.readIfPresent("stepFraction", settings.stepFraction);
     if (settings.stepFraction > largestStepFraction)

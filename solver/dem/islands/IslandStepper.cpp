@@ -121,12 +121,14 @@ double IslandStepper::wallSpeed(double time)
     {
         const Vector3 now = gathered_.position[i], velocity = gathered_.velocity[i];
         const double radius = gathered_.radius[i], reach = 2*radius;
-        if (!walls_.near(now, now + time*velocity, reach)) continue;
-        walls_.collect(now, now + time*velocity, reach, images_);
+        const Vector3 then = now + time*velocity;
+        if (!walls_.near(now, then, reach)) continue;
+        walls_.collect(now, then, reach, images_);
         if (images_.empty()) continue;
         std::uint32_t below = 0;
-        if (!walls_.isFlat(now, reach + time*norm(velocity), images_)) return infinite;
-        walls_.contactsOnFlat(now, radius, reach + time*norm(velocity), images_, below, wall_);
+        const double around = reach + time*norm(velocity);
+        if (!walls_.isFlat(now, around, images_)) return infinite;
+        walls_.contactsOnFlat(now, radius, around, images_, below, wall_);
         for (const WallContact& contact : wall_)
         {
             const double across = std::abs(dot(velocity, contact.normal))

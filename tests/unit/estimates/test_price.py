@@ -70,6 +70,14 @@ def test_a_plan_in_which_little_is_known_has_a_price() -> None:
     assert price(unknown, 1.0).processor_s > 0
 
 
+@pytest.mark.parametrize("fed", [1.0, None])
+def test_a_run_that_does_not_say_when_it_ends_has_a_price(fed: float | None) -> None:
+    endless = plan()
+    endless["feed"].update(end_s=fed, run_ends_s=None)
+    seconds = price(endless, 1.0).processor_s
+    assert 0 < seconds < price(PLAN, 1.0).processor_s, "the last ones are not waited for"
+
+
 def test_a_run_that_was_made_tells_what_the_same_costs() -> None:
     known = spent(PLAN, 30.0, 200.0, 8.0)
     found = price(PLAN, 1.0, [known])

@@ -18,8 +18,10 @@ import pytest
 from elutria import tables
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError
+from elutria.estimates import ranks
 from elutria.files import read_csv
 from elutria.running.axes import grid, parse_velocities
+from elutria.running.marker import Marker
 from elutria.running.results import Results
 from elutria.running.run import PLAN, Goal, is_finished, run_case
 from elutria.running.solver import Step, follow
@@ -60,6 +62,43 @@ def test_what_is_finished_is_not_run_again(column: Path, fake_solver: Path, tmp_
     feed.write_text(feed.read_text().replace("2650", "2700"))
     run_case(case, to, case.settings_for(5, SMALL))
     assert len(started(fake_solver)) == 3
+
+
+def test_processors_that_do_not_pay_are_left_out(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case, to = Case(column), tmp_path / "one"
+    said: list[str] = []
+    settings = case.settings_for(5, SMALL)
+    for cores in (1, 2):  # what is finished or under way is the same on another machine
+        monkeypatch.setattr(ranks, "cores", lambda cores=cores: cores)
+        run_case(case, to, settings, 8, say=said.append)
+    assert said == ["--np 8 -> 1: there is 1 core here (ELUTRIA_EXACT=yes takes 8)"]
+    assert len(started(fake_solver)) == 1
+    assert json.loads((to / "finished.json").read_text())["np"] == 1
+    marker = Marker.read(to)
+    assert marker is not None
+    assert marker.np == 1
+    (to / "finished.json").unlink()
+    run_case(case, to, settings, 8, say=said.append)
+    assert said[1:] == ["--np 8 -> 1: the run that goes on has 1"]
+
+
+def test_a_user_may_insist_on_processors(
+    column: Path, fake_solver: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, text in (("mpirun", 'shift 2; exec "$@"'), ("decomposePar", "echo End")):
+        program = tmp_path / "programs" / name
+        program.write_text(f"#!/bin/sh\n{text}\n")
+        program.chmod(0o755)
+    monkeypatch.setenv("ELUTRIA_EXACT", "yes")
+    case, to = Case(column), tmp_path / "one"
+    said: list[str] = []
+    run_case(case, to, case.settings_for(5, SMALL), 8, say=said.append)
+    assert said == []
+    assert json.loads((to / "finished.json").read_text())["np"] == 8
+    assert "numberOfSubdomains 8;" in (to / "system/decomposeParDict").read_text()
+    assert len(started(fake_solver)) == 1
 
 
 @pytest.mark.usefixtures("fake_solver")

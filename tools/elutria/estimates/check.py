@@ -91,7 +91,8 @@ def _setting(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool)
             "", f"{_round(feed['particles_per_s'])} particles per s, "
             f"{feed['particles_per_parcel']:.3g} a parcel on average", "",
         )  # fmt: skip
-    table.add_row("fed", f"from {feed['start_s']:g} s to {feed['end_s']:g} s", "constant/feed")
+    until = "" if feed["end_s"] is None else f" to {feed['end_s']:g} s"
+    table.add_row("fed", f"from {feed['start_s']:g} s{until}", "constant/feed")
     if feed["parcels"] is not None:
         more = feed["parcels"] > feed["parcels_asked"]
         follows = " (more than asked for, to collide as particles do)" if more else ""

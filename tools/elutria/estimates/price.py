@@ -83,13 +83,17 @@ RATES = Rates()
 
 
 def work(plan: Mapping[str, Any]) -> Work:
-    """Counted from a plan: see docs/user/outputs.md."""
+    """Counted from a plan: see docs/user/outputs.md. A run that does not say when it ends is
+    counted until its parcels have left, a feed that does not for as long as one stays."""
     gas, feed, expected = plan["gas"], plan["feed"], plan["expected"]
     cells, step = float(plan["mesh"]["cells"]), _step(plan["step"])
     parcels = float(feed["parcels"] or 0.0)
-    lasts = feed["run_ends_s"] - feed["start_s"]
-    stay = min(STAY * (gas["through_time_s"] or 0.0), lasts)
-    busy = min(feed["end_s"] - feed["start_s"] + stay, lasts)
+    start = feed["start_s"]
+    stay = STAY * (gas["through_time_s"] or 0.0)
+    fed = stay if feed["end_s"] is None else feed["end_s"] - start
+    lasts = fed + stay if feed["run_ends_s"] is None else feed["run_ends_s"] - start
+    stay = min(stay, lasts)
+    busy = min(fed + stay, lasts)
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
     late = lasts - busy
     solved = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)

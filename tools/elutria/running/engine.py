@@ -35,6 +35,11 @@ def slots(text: str, jobs: int, np: int) -> int:
     return max(1, len(os.sched_getaffinity(0)) // np) if text == "local" else 1000
 
 
+def threads_each(at_once: int, np: int) -> int:
+    """This machine's cores for the threads of each processor of so many runs at a time."""
+    return max(1, len(os.sched_getaffinity(0)) // (at_once * np))
+
+
 def open_engine(
     text: str, jobs: int, np: int, folders: tuple[Path, Path], say: Callable[[str], None]
 ) -> AbstractContextManager[Executor]:

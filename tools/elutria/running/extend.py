@@ -26,8 +26,10 @@ def replaced_inputs(
 ) -> Iterator[None]:
     """Give the run in `folder` the files of `case` with `settings` for as long as nothing refuses
     them. Raises InputError for a file that a run cannot go on with."""
-    if before.np != now.np:
-        raise InputError(f"--np {now.np}: the run in {folder} has {before.np}; allowed: that")
+    if before.np > now.np:
+        raise InputError(
+            f"--np {now.np}: the run in {folder} has {before.np}; allowed: that, or more"
+        )
     with tempfile.TemporaryDirectory() as place:
         copy = case.copy_to(Path(place) / case.name, settings)
         changed = _changed(copy, before.identity, now.identity)

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.estimates import machine
+from elutria.estimates import machine, ranks
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.started import started_in, with_own_name
 from elutria.openfoam.text import line_with
@@ -104,12 +104,14 @@ def run_case(
     anew: bool = True,
     extend: bool = False,
     frames: bool = False,
+    say: Callable[[str], None] = lambda _: None,
 ) -> Case:
-    """Run `case` with `settings` in `folder`. A complete run of the same inputs is not run again,
-    one that was stopped goes on; a run of other inputs is removed first, or refused if not `anew`,
-    or goes on with the new ones if `extend`.
+    """Run `case` with `settings` in `folder`, on as many of `np` processors as pay. A complete run
+    of the same inputs is not run again, one that was stopped goes on; a run of other inputs is
+    removed first, or refused if not `anew`, or goes on with the new ones if `extend`.
 
-    `on_step` gets the share done (0..1) and the solver's numbers. The gas starts from that of the
+    `on_step` gets the share done (0..1) and the solver's numbers, `say` a line where processors
+    are left out. The gas starts from that of the
     run in the folder `neighbour`, where that has settled. With `frames`, the solver records them
     and can be steered; a run that was steered is one of other inputs. Raises InputError before
     anything is run, ElutriaError with the solver's reason when it fails.
@@ -121,7 +123,7 @@ def run_case(
         if shown and is_finished(folder, fingerprint):
             return Case(folder)
         _need_programs(np)
-        solving = _Solving(case, on_step, frames, machine.processor_s())
+        solving = _Solving(case, on_step, frames, machine.processor_s(), say)
         marker = Marker(Identity.of(case, settings), fingerprint, np, replicate, started=now())
         before = Marker.read(folder)
         if before is not None and not before.ready:
@@ -146,12 +148,14 @@ def run_case(
 @dataclass(frozen=True)
 class _Solving:
     """What a run's solver is started with: the case that it is of, who hears of its steps,
-    whether it records frames, and the processor time (s) of this process before the run."""
+    whether it records frames, the processor time (s) of this process before the run, and who hears
+    of processors that are left out."""
 
     case: Case
     on_step: Callable[[float, Step], None]
     frames: bool
     processor_s: float
+    say: Callable[[str], None]
 
 
 def _start(
@@ -172,6 +176,8 @@ def _start(
     if neighbour is not None and (neighbour / SETTLED_GAS).is_dir():
         shutil.copytree(neighbour / SETTLED_GAS, folder / SETTLED_GAS)
     if marker.np > 1:
+        marker = replace(marker, np=_paying(case, copy, marker.np, solving.say))
+    if marker.np > 1:
         write_decomposition(copy, marker.np)
         _program(["decomposePar", "-force"], folder, "log.decomposePar")
     marker = replace(marker, ready=True)
@@ -179,9 +185,26 @@ def _start(
     _solve_and_mark(folder, marker, solving)
 
 
+def _paying(case: Case, copy: Case, asked: int, say: Callable[[str], None]) -> int:
+    """How many of the processors asked for the meshed `copy` of a case is run on."""
+    if ranks.exact():
+        return asked
+    try:
+        _program([SOLVER, "-plan"], copy.path, "log.plan")
+    except ElutriaError as error:
+        raise InputError(_refusal(case, copy, str(error))) from error
+    choice = ranks.paying(read_plan(copy.path), asked, ranks.cores())
+    shutil.rmtree(copy.path / PLAN.partition("/")[0])  # the run begins with nothing written
+    if choice.why:
+        say(choice.why)
+    return choice.np
+
+
 def _go_on(folder: Path, marker: Marker, before: Marker, solving: _Solving) -> None:
-    """A run from the last time that its solver has written."""
-    marker = replace(marker, spent_s=before.ended(folder, LOG))
+    """A run from the last time that its solver has written, on the processors that it has."""
+    if before.np != marker.np:
+        solving.say(f"--np {marker.np} -> {before.np}: the run that goes on has {before.np}")
+    marker = replace(marker, np=before.np, spent_s=before.ended(folder, LOG))
     number = 1
     while (folder / f"{LOG}.{number}").exists():
         number += 1
@@ -205,9 +228,10 @@ def _solve_and_mark(folder: Path, marker: Marker, solving: _Solving) -> None:
         "processor_s": round(machine.processor_s() - solving.processor_s, 3),
         "memory_mb": round(machine.memory_mb() * marker.np, 1),
         "disk_mb": round(machine.disk_mb(folder), 3),
+        "np": marker.np,
     }
     write_json(folder / FINISHED, content)
-    if marker.spent_s == 0:
+    if marker.spent_s == 0 and marker.np == 1:
         costs.learn(folder, content)
 
 

@@ -22,7 +22,7 @@ from elutria.classification.classify import Classification
 from elutria.classification.events import join, read_run
 from elutria.classification.precision import Precision, d50_half_width
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.estimates import machine
+from elutria.estimates import machine, ranks
 from elutria.estimates.price import Price, duration
 from elutria.files import writing_to
 from elutria.running import costs
@@ -122,6 +122,14 @@ def _replicate(case: Case, first: Member, number: int) -> Member:
     )
 
 
+def paying(case: Case, members: list[Member], np: int) -> ranks.Choice:
+    """How many of `np` processors pay here for the first run that is not finished."""
+    todo = [m for m in members if not is_finished(m.folder, case.fingerprint(m.settings, np))]
+    if np == 1 or not todo or ranks.exact():
+        return ranks.Choice(np)
+    return ranks.paying(plans(case, [todo[0].settings])[0], np, ranks.cores())
+
+
 def run_sweep(
     results: Results,
     members: list[Member],
@@ -129,9 +137,11 @@ def run_sweep(
     np: int,
     watcher: Watcher,
     goal: Precision | Budget | None = None,
+    threads: int | None = None,
 ) -> SweepResult:
-    """Have the executor run what is not finished, and write the tables of all that is complete in
-    the folder of the results, by this call or an earlier one."""
+    """Have the executor run what is not finished, each processor with so many `threads` at most,
+    and write the tables of all that is complete in the folder of the results, by this call or an
+    earlier one."""
     with writing_to(results.folder):
         results.folder.mkdir(parents=True, exist_ok=True)
     results.write_identity()
@@ -142,7 +152,7 @@ def run_sweep(
         _look_ahead(case, members, todo, watcher, goal)
     try:
         with asking(results.folder) as asked:
-            course = _Course(case, np, list(members), goal, result, asked)
+            course = _Course(case, np, list(members), goal, result, asked, threads)
             _work_off(course, executor, watcher)
     except KeyboardInterrupt:
         results.write_tables(result.failures)
@@ -207,7 +217,7 @@ def _work_off(course: _Course, executor: Executor, watcher: Watcher) -> None:
             failure = _failure(future)
             line = f"FAILED: {failure}"
             if failure is None:
-                line = f"finished in {wall_time(member.folder):.0f} s"
+                line = f"finished in {wall_time(member.folder):.0f} s{course.left_out(member)}"
                 course.result.ran.append(member.folder)
             watcher.finished(member.name, line)
             waiting += course.ended(member, failure)
@@ -237,6 +247,7 @@ class _Course:
         goal: Precision | Budget | None,
         result: SweepResult,
         asked: Asking,
+        threads: int | None,
     ):
         self.case = case
         self.np = np
@@ -244,6 +255,7 @@ class _Course:
         self.goal = goal
         self.result = result
         self.asked = asked
+        self.threads = threads
         self.running: set[str] = set()
 
     def job(self, member: Member) -> Job:
@@ -251,8 +263,15 @@ class _Course:
         case = self.case.path.resolve()
         return Job(
             case, member.folder, member.settings, self.np, member.neighbour, member.replicate,
-            self.asked,
+            self.asked, self.threads,
         )  # fmt: skip
+
+    def left_out(self, member: Member) -> str:
+        """That a finished run did not take all processors, where it did not."""
+        with suppress(InputError):
+            if (used := costs.number(member.folder, "np")) < self.np:
+                return f", on {used:.0f} of {self.np} processors"
+        return ""
 
     def not_finished(self, members: list[Member]) -> list[Member]:
         """Those of `members`, and of what follows from the finished ones, that are to be run."""

@@ -84,7 +84,8 @@ def asking(folder: Path) -> Iterator[Asking]:
 class Job:
     """What `run_case` needs, and who asks for it.
 
-    `neighbour` is the folder of the run whose settled gas this one starts from.
+    `neighbour` is the folder of the run whose settled gas this one starts from, `threads` what each
+    of its processors takes at most.
     """
 
     case: Path
@@ -94,6 +95,7 @@ class Job:
     neighbour: Path | None
     replicate: int = 1
     asked: Asking | None = None
+    threads: int | None = None
 
     def progress(self) -> tuple[float, str] | None:
         """Share done (0..1) and the solver's numbers; None before the first time step."""
@@ -124,7 +126,7 @@ def perform(job: Job) -> str | None:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=said,
-            env={"OMP_NUM_THREADS": "1", **os.environ},
+            env={"OMP_NUM_THREADS": "1", **_limited(job.threads), **os.environ},
         )
         _wait(process, job.asked)
         said.seek(0)
@@ -133,6 +135,10 @@ def perform(job: Job) -> str | None:
         return None
     ended = f"ended with exit code {process.returncode}"
     return _placed(job, lines[-1].strip() if lines else ended)
+
+
+def _limited(threads: int | None) -> dict[str, str]:
+    return {} if threads is None else {"OMP_THREAD_LIMIT": str(threads)}
 
 
 def _wait(process: subprocess.Popen[bytes], asked: Asking | None) -> None:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,15 +37,11 @@ inline double stokesForm(const Form& form)
 
 /// Random orientation: grains tumble. Newton's factor changes a little with the density ratio, from
 /// liquids (grains fall flat) to gases.
-struct BagheriBonadonna
+struct BagheriBonadonna : OfShapes
 {
     static constexpr const char* name = "BagheriBonadonnaDrag";
     static constexpr const char* title = "Bagheri-Bonadonna";
     static constexpr double maxRe = 3e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = true;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form& form)
     {
@@ -58,15 +55,11 @@ struct BagheriBonadonna
 
 
 /// Preferred orientation: the largest projection across the flow.
-struct BagheriBonadonnaFlat
+struct BagheriBonadonnaFlat : OfShapes
 {
     static constexpr const char* name = "BagheriBonadonnaFlatDrag";
     static constexpr const char* title = "Bagheri-Bonadonna, flat";
     static constexpr double maxRe = 3e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = true;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form& form)
     {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,14 +16,12 @@ namespace elutria::laws
 /// the Sauter mean <d>, times alpha y + phi y^2 + 0.064 alpha y^3 with y = d/<d>. That was found at
 /// solid fractions phi of 0.1 to 0.6 and does not end in the drag of a single sphere: below 0.1 the
 /// factor goes linearly to 1, and Re to the particle's own.
-struct Beetstra
+struct Beetstra : OfSuspensions
 {
     static constexpr const char* name = "BeetstraDrag";
     static constexpr const char* title = "Beetstra";
     static constexpr double maxRe = 1e3;
     static constexpr double minAlpha = 0.36;
-    static constexpr bool knowsVoid = true;
-    static constexpr bool knowsShape = false;
     static constexpr bool knowsMean = true;
 
     /// Of the only size, or of the Sauter mean

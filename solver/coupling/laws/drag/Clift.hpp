@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -8,15 +9,11 @@ namespace elutria::laws
 {
 
 /// Standard curve of Clift, Grace & Weber 1978, table 5.2, piecewise to Re = 1e6 (w = log10 Re).
-struct Clift
+struct Clift : OfGrains
 {
     static constexpr const char* name = "CliftDrag";
     static constexpr const char* title = "Clift";
     static constexpr double maxRe = 1e6;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form&)
     {

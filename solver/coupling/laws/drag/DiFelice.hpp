@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +12,12 @@ namespace elutria::laws
 /// Di Felice 1994, doi 10.1016/0301-9322(94)90011-6: single-particle law of Dallavalle times
 /// alpha^(2 - chi), superficial Re. The single-particle limit is 29 % high above Re 500: not for a
 /// dilute column of coarse grains.
-struct DiFelice
+struct DiFelice : OfSuspensions
 {
     static constexpr const char* name = "DiFeliceDrag";
     static constexpr const char* title = "Di Felice";
     static constexpr double maxRe = 1e4;
     static constexpr double minAlpha = 0.4;
-    static constexpr bool knowsVoid = true;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double alpha, const Form&)
     {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -10,15 +11,11 @@ namespace elutria::laws
 /// Ganser 1993, doi 10.1016/0032-5910(93)80051-B, isometric particles: Stokes' factor K1 and Newton's
 /// factor K2 from the sphericity; Re K1 K2 < 1e5. With the published coefficients a sphere has up to
 /// 27 % less drag than the standard curve (Re 100).
-struct Ganser
+struct Ganser : OfShapes
 {
     static constexpr const char* name = "GanserDrag";
     static constexpr const char* title = "Ganser";
     static constexpr double maxRe = 1e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = true;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form& form)
     {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include "WenYu.hpp"
 
@@ -11,15 +12,12 @@ namespace elutria::laws
 
 /// Gidaspow 1994: Ergun's packed bed below alpha = 0.8, Wen & Yu above. Ergun per particle:
 /// Cd Re = (4/3)[150 (1 - alpha)/alpha + 1.75 Re]/alpha.
-struct Gidaspow
+struct Gidaspow : OfSuspensions
 {
     static constexpr const char* name = "GidaspowDrag";
     static constexpr const char* title = "Gidaspow";
     static constexpr double maxRe = 2e5;
     static constexpr double minAlpha = 0.36;
-    static constexpr bool knowsVoid = true;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double alpha, const Form& form)
     {

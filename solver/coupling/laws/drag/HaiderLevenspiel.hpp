@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -9,15 +10,11 @@ namespace elutria::laws
 
 /// Haider & Levenspiel 1989, doi 10.1016/0032-5910(89)80008-7, isometric particles of sphericity
 /// 0.67-1 and disks below; Re < 2.6e5.
-struct HaiderLevenspiel
+struct HaiderLevenspiel : OfShapes
 {
     static constexpr const char* name = "HaiderLevenspielDrag";
     static constexpr const char* title = "Haider-Levenspiel";
     static constexpr double maxRe = 2.6e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = true;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form& form)
     {

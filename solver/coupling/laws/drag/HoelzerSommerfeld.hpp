@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -17,15 +18,11 @@ namespace elutria::laws
 /// lengthwise one, over half the surface less it, are both the sphericity s. A grain that falls flat
 /// has more drag: a cube by a third in Newton's range. A sphere has 16 % less drag than the standard
 /// curve at Re 50, and 20 % more at Re 2500.
-struct HoelzerSommerfeld
+struct HoelzerSommerfeld : OfShapes
 {
     static constexpr const char* name = "HoelzerSommerfeldDrag";
     static constexpr const char* title = "Hoelzer-Sommerfeld";
     static constexpr double maxRe = 3e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = true;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form& form)
     {

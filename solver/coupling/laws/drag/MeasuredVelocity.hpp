@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 #include "../MeasuredDrag.hpp"
 #include "SchillerNaumann.hpp"
 
@@ -9,15 +10,11 @@ namespace elutria::laws
 
 /// The drag of each material's measured terminal velocities (MeasuredDrag.hpp); of a material without
 /// them Schiller and Naumann's.
-struct MeasuredVelocity
+struct MeasuredVelocity : OfGrains
 {
     static constexpr const char* name = "MeasuredVelocityDrag";
     static constexpr const char* title = "measured velocity";
     static constexpr double maxRe = 2e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double alpha, const Form& form)
     {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -8,15 +9,11 @@ namespace elutria::laws
 {
 
 /// Putnam 1961: Cd Re = 24 (1 + Re^(2/3)/6) up to Re 1000; Cd = 0.424 above. OpenFOAM has it itself.
-struct Putnam
+struct Putnam : OfGrains
 {
     static constexpr const char* name = "sphereDrag";
     static constexpr const char* title = "Putnam";
     static constexpr double maxRe = 2e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form&)
     {

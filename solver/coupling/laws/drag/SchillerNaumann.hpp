@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include <cmath>
 
@@ -8,15 +9,11 @@ namespace elutria::laws
 {
 
 /// Schiller & Naumann 1935: Cd Re = 24 (1 + 0.15 Re^0.687) up to Re 1000; Newton's Cd = 0.44 above.
-struct SchillerNaumann
+struct SchillerNaumann : OfGrains
 {
     static constexpr const char* name = "SchillerNaumannDrag";
     static constexpr const char* title = "Schiller-Naumann";
     static constexpr double maxRe = 2e5;
-    static constexpr double minAlpha = 0.9;
-    static constexpr bool knowsVoid = false;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double, const Form&)
     {

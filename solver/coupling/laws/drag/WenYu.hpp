@@ -1,6 +1,7 @@
 #pragma once
 
 #include "../Form.hpp"
+#include "kinds.hpp"
 
 #include "SchillerNaumann.hpp"
 
@@ -10,15 +11,12 @@ namespace elutria::laws
 {
 
 /// Wen & Yu 1966: Schiller-Naumann with the superficial Re, times alpha^-3.65.
-struct WenYu
+struct WenYu : OfSuspensions
 {
     static constexpr const char* name = "WenYuVoidDrag";
     static constexpr const char* title = "Wen-Yu";
     static constexpr double maxRe = 2e5;
     static constexpr double minAlpha = 0.45;
-    static constexpr bool knowsVoid = true;
-    static constexpr bool knowsShape = false;
-    static constexpr bool knowsMean = false;
 
     static double CdRe(double Re, double alpha, const Form& form)
     {
