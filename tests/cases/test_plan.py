@@ -34,6 +34,31 @@ TWO_MATERIALS = """
 """
 
 
+SCATTERED = """
+    ore
+    {
+        densityDistribution { type uniform; min 3500; max 4500; }
+        sizeDistribution { type uniform; min 200e-6; max 2e-3; }
+    }
+}
+"""
+
+
+def test_check_shows_a_rate_over_time_and_a_density_that_scatters(
+    column: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    feed = column / "constant/feed"
+    text = re.sub(
+        r"\bloading\s+\$loading;", "massFlowRate table ((0 1e-4) (1 3e-4));", feed.read_text()
+    )
+    start = text.index("{", text.index("\nmaterials"))
+    feed.write_text(text[: start + 1] + SCATTERED)
+    assert main(["check", str(column)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "0.2 g/s on average, by a table of 2 times, up to 0.3 g/s" in said
+    assert "4000 (3500..4500)" in said
+
+
 def changed(column: Path, name: str) -> Case:
     """One of five cases made of the default column."""
     parameters = dict(BRIEF)
