@@ -35,6 +35,32 @@ TWO_MATERIALS = """
 """
 
 
+SCATTERED = """
+    ore
+    {
+        densityDistribution { type uniform; min 3500; max 4500; }
+        sizeDistribution { type uniform; min 200e-6; max 2e-3; }
+    }
+}
+"""
+
+
+def test_check_shows_a_rate_over_time_and_a_density_that_scatters(
+    column: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    feed = column / "constant/feed"
+    text = re.sub(
+        r"\bloading\s+\$loading;", "massFlowRate table ((0 1e-4) (1 3e-4));", feed.read_text()
+    )
+    start = text.index("{", text.index("\nmaterials"))
+    feed.write_text(text[: start + 1] + SCATTERED)
+    main(["check", str(column)])
+    said = " ".join(capsys.readouterr().out.split())
+    # cells are folded: what stands in the next column may come between
+    assert re.search(r"0\.2 g/s on average, by.*table.*of 2.*times.*up to.*0\.3 g/s", said)
+    assert re.search(r"4000.*\(3500\.\.4500\)", said)
+
+
 def changed(column: Path, name: str) -> Case:
     """One of five cases made of the default column."""
     parameters = dict(BRIEF)

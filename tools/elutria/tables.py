@@ -32,7 +32,8 @@ _CLASS = ("material", "diameter_low_m", "diameter_high_m")
 PLANES = ("plane", "height_m", *_CLASS, "up_number", "up_kg", "down_number", "down_kg")
 ZONES = ("zone", "low_m", "high_m", *_CLASS, "residence_time_s", "holdup_kg_s")
 STAGES = (
-    *_CLASS, "parcels", "steps", "step_up", "partition_by_stages", "partition", "partition_error",
+    *_CLASS, "parcels", "steps", "step_up", "step_up_after_up", "step_up_after_down",
+    "partition_by_stages", "partition_by_memory", "partition", "partition_error",
 )  # fmt: skip
 
 GAS = ("gas_velocity_m_s", *PATCH_FLOWS[1:])

@@ -21,7 +21,7 @@ scalar ContactEstimate::duration
     scalar lightest = GREAT;
     for (const Feed::Material& m : feed_.materials())
     {
-        lightest = min(lightest, m.density);
+        lightest = min(lightest, m.leastDensity());
     }
     elutria::dem::Particles pair;
     for (const label i : {0, 1})
@@ -49,7 +49,7 @@ scalar ContactEstimate::deepestOverlap(const scalar speed) const
         deepest = max
         (
             deepest,
-            engine_.expectedOverlap(0.5*m.sizes.max(), m.density, speed)
+            engine_.expectedOverlap(0.5*m.sizes.max(), m.largestDensity(), speed)
         );
     }
     return deepest;

@@ -7,6 +7,8 @@
 
 #include "feed/Feed.H"
 #include "feed/FeedRecord.H"
+#include "feed/feedRate.H"
+#include "feed/grainDensity.H"
 #include "feed/grainForm.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
@@ -26,19 +28,6 @@ defineTypeNameAndDebug(Feed, 0);
 namespace
 {
 
-scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
-{
-    const scalar value = dict.get<scalar>(entry);
-    if (!(value >= least) || !std::isfinite(value))
-    {
-        FatalIOErrorInFunction(dict)
-            << entry << " is " << value << ", allowed: >= " << least
-            << exit(FatalIOError);
-    }
-    return value;
-}
-
-
 //- A feed that lasts longer is a mistake [s]
 constexpr scalar longest = 1e9;
 
@@ -57,7 +46,7 @@ scalar readPositive(const dictionary& dict, const word& entry)
 Feed::Material::Material(const word& name, const dictionary& dict)
 :
     name(name),
-    density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
+    density(readDensity(dict)),
     measured(readMeasuredDrag(dict, density)),
     form(readForm(dict)),
     massFraction
@@ -65,7 +54,8 @@ Feed::Material::Material(const word& name, const dictionary& dict)
         dict.found("massFraction") ? readAtLeast(dict, "massFraction", 0) : 1
     ),
     focus(0),
-    sizes(dict.subDict("sizeDistribution"))
+    sizes(dict.subDict("sizeDistribution")),
+    scatter(readDensityScatter(dict))
 {
     requireOwnEntries(dict, ownDictionary::material);
     form.measured = measured.get();
@@ -78,7 +68,11 @@ Feed::Material::Material(const word& name, const dictionary& dict)
 
 elutria::laws::Ingredient Feed::Material::ingredient() const
 {
-    return {massFraction, density, &sizes};
+    return
+    {
+        massFraction, scatter ? scatter->meanByNumber() : density, &sizes,
+        scatter.get()
+    };
 }
 
 
@@ -188,7 +182,7 @@ void Feed::readAmounts(const word& phaseName)
 }
 
 
-void Feed::readSchedule()
+bool Feed::isRated() const
 {
     // Either may also be the name of a variable in a file that is included
     const bool both = found("loading") && found("massFlowRate");
@@ -203,33 +197,79 @@ void Feed::readSchedule()
             << "give either loading (kg solids per kg gas) or"
             << " massFlowRate (kg/s)" << exit(FatalIOError);
     }
+    return rated;
+}
 
-    massFlow_ =
-        told_.found("massFlow")
-      ? told_.get<scalar>("massFlow")
-      : rated
-      ? readPositive(*this, "massFlowRate")
-      : readPositive(*this, "loading")*gasFlow_;
 
+scalar Feed::durationOf
+(
+    const dictionary& feed,
+    const elutria::laws::RateTable* table
+)
+{
+    if (feed.found("duration"))
+    {
+        return readPositive(feed, "duration");
+    }
+    return table ? table->end() - feed.getOrDefault<scalar>("start", 0) : GREAT;
+}
+
+
+scalar Feed::meanFlowOfTable() const
+{
+    const scalar end = start_ + duration_;
+    const scalar rounding = 1e-9*max(mag(end), scalar(1e-3));
+    const scalar fed = duration_ > 0 ? table_->mass(start_, end) : 0;
+    if
+    (
+        start_ < table_->begin() - rounding || end > table_->end() + rounding
+     || !(fed > 0)
+    )
+    {
+        FatalIOErrorInFunction(*this)
+            << "massFlowRate is a table from " << table_->begin() << " to "
+            << table_->end() << " s that feeds " << fed << " kg from " << start_
+            << " to " << end << " s, allowed: one of all that time, with a mass"
+            << exit(FatalIOError);
+    }
+    return fed/duration_;
+}
+
+
+void Feed::readSchedule()
+{
+    const bool rated = isRated();
+    table_ = rated ? readRateTable(*this) : nullptr;
     start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
-    if (!found("duration") && !found("particles"))
+    if (!found("duration") && !found("particles") && !table_)
     {
         FatalIOErrorInFunction(*this)
             << "give duration (s), particles (a whole number) or both"
             << exit(FatalIOError);
     }
-    duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
+    duration_ = durationOf(*this, table_.get());
+    const bool lasts = duration_ < GREAT;
     if (found("duration"))
     {
         requireBetween("duration", duration_, 0, longest, *this);
     }
+
+    massFlow_ =
+        table_
+      ? meanFlowOfTable()
+      : told_.found("massFlow")
+      ? told_.get<scalar>("massFlow")
+      : rated
+      ? readPositive(*this, "massFlowRate")
+      : readPositive(*this, "loading")*gasFlow_;
+
     drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
     maxParticles_ = getOrDefault<label>("particles", labelMax);
     asked_ = maxParticles_;
 
     sampling_ = readSampling();
     rate_ = max(massFlow_/meanMass(), SMALL);
-    if (weighted() && found("duration") && found("particles"))
+    if (weighted() && lasts && found("particles"))
     {
         addParcels();
         rate_ = maxParticles_/duration_;
@@ -264,7 +304,7 @@ void Feed::addParcels()
 
 bool Feed::isDilute() const
 {
-    return massFlow_ < elutria::laws::largestDiluteLoading*gasFlow_;
+    return peakFlow() < elutria::laws::largestDiluteLoading*gasFlow_;
 }
 
 
@@ -315,7 +355,25 @@ scalar Feed::massFactor(const scalar time) const
 
 scalar Feed::entryTime(const label k) const
 {
-    return start_ + slot(k)/rate_;
+    return timeOf(slot(k));
+}
+
+
+scalar Feed::slotsUntil(const scalar time) const
+{
+    return
+        table_
+      ? table_->mass(start_, time)*rate_/massFlow_
+      : (time - start_)*rate_;
+}
+
+
+scalar Feed::timeOf(const scalar slots) const
+{
+    return
+        table_
+      ? table_->timeOf(slots*massFlow_/rate_, start_)
+      : start_ + slots/rate_;
 }
 
 
@@ -365,6 +423,10 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     steering_(mesh.time())
 {
     requireOwnEntries(*this, ownDictionary::feed);
+    if (isRated())
+    {
+        stateRate(*this);
+    }
     goOn(phaseName);
     readAll(phaseName);
 }
@@ -487,7 +549,7 @@ void Feed::writeState() const
 
 scalar Feed::end() const
 {
-    return start_ + slots_/rate_;
+    return timeOf(slots_);
 }
 
 
@@ -498,7 +560,7 @@ label Feed::fedUntil(const scalar time) const
         return before_->fedUntil(time);
     }
 
-    const scalar slots = (min(time, start_ + duration_) - start_)*rate_;
+    const scalar slots = slotsUntil(min(time, start_ + duration_));
     if (slots <= 0)
     {
         return first_;
@@ -525,6 +587,7 @@ Feed::Particle Feed::ownParticle(const label k) const
     p.time = entryTime(k);
     p.material = parcel.material;
     p.diameter = parcel.diameter;
+    p.density = parcel.density;
     p.number = ownNumber(k);
 
     p.position = place(k, p.diameter, false);

@@ -75,7 +75,7 @@ scalar Feed::ownMass(const label k) const
 {
     const elutria::laws::FedParcel p = drawn(k);
     return
-        materials_[p.material].density
+        p.density
        *constant::mathematical::pi/6*pow3(p.diameter);
 }
 

@@ -12,6 +12,7 @@ Description
 
 #include "feed/Feed.H"
 #include "feed/FeedRecord.H"
+#include "feed/feedRate.H"
 #include "foam/foamVersion.H"
 
 #include <cmath>
@@ -91,15 +92,20 @@ void Feed::beginStretch
 
     before_.reset(new Feed(mesh_, phaseName, record.subDict("stretch")));
     const scalar now = mesh_.time().value();
-    const scalar duration = case_.getOrDefault<scalar>("duration", GREAT);
-    const scalar durationBefore = was.getOrDefault<scalar>("duration", GREAT);
+    const auto lasts = [](const dictionary& feed)
+    {
+        const auto table =
+            feed.found("massFlowRate") ? readRateTable(feed) : nullptr;
+        return durationOf(feed, table.get());
+    };
+    const scalar duration = lasts(case_);
+    const scalar durationBefore = lasts(was);
     const label particles = case_.getOrDefault<label>("particles", labelMax);
     const label particlesBefore = was.getOrDefault<label>("particles", labelMax);
     const bool otherRate =
         changed.found("loading") || changed.found("massFlowRate");
     const bool spread =
-        before_->weighted() && case_.found("duration")
-     && case_.found("particles");
+        before_->weighted() && duration < GREAT && case_.found("particles");
 
     // Parcels that weigh as before go on where the feed would have ended
     const scalar wanted = scalar(particles)*durationBefore;

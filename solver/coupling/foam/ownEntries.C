@@ -43,8 +43,9 @@ wordList entriesOf(const ownDictionary kind)
         case ownDictionary::material:
             return
             {
-                "density", "sphericity", "flatness", "elongation",
-                "measuredVelocity", "massFraction", "sizeDistribution"
+                "density", "densityDistribution", "sphericity", "flatness",
+                "elongation", "measuredVelocity", "massFraction",
+                "sizeDistribution"
             };
         case ownDictionary::measuredVelocity:
             return {"file", "gasDensity", "gasViscosity"};

@@ -141,7 +141,8 @@ CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double m
 }
 
 
-CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer)
+CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer,
+                       const char* named)
 {
     const std::size_t n = diameters.size();
     bool ordered = n >= 2 && finer.size() == n && diameters.front() > 0 && finer.front() == 0
@@ -149,8 +150,8 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
     for (std::size_t i = 1; ordered && i < n; ++i)
         ordered = diameters[i] > diameters[i - 1] && finer[i] >= finer[i - 1];
     if (!ordered)
-        throw std::invalid_argument("diameters, cumulative: allowed: lists of the same length,"
-                                    " increasing, diameters > 0, cumulative from 0 to 1");
+        throw std::invalid_argument(std::string(named) + ", cumulative: allowed: lists of the same"
+                                    " length, increasing, " + named + " > 0, cumulative from 0 to 1");
 
     // A fine grid between the sieves, so that the change of weighting within one sieve class is
     // followed

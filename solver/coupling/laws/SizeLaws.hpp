@@ -46,8 +46,9 @@ const SizeLaw* findSizeLaw(const std::string& name);
 CumulativeCurve truncated(const SizeLaw&, const double* parameters, double min, double max);
 
 /// Throws std::invalid_argument unless diameters and shares are lists of one length, rising, the
-/// shares from 0 to 1.
-CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer);
+/// shares from 0 to 1. `named`: what the message calls the diameters.
+CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer,
+                       const char* named = "diameters");
 
 /// A single size.
 CumulativeCurve single(double diameter);

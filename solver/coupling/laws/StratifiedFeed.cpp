@@ -27,6 +27,15 @@ double mirrored(std::uint32_t i)
 }
 
 
+/// The same in base 3
+double mirroredTernary(std::uint32_t i)
+{
+    double m = 0, digit = 1.0/3;
+    for (; i > 0; i /= 3, digit /= 3) m += (i % 3)*digit;
+    return m;
+}
+
+
 double fraction(double x)
 {
     return x - std::floor(x);
@@ -166,7 +175,8 @@ StratifiedFeed::Strata StratifiedFeed::weightedStrata(std::size_t n, double mass
         for (std::size_t j = 0; j < count[c]; ++j)
         {
             const double low = massFiner(j), high = massFiner(j + 1);
-            strata.push_back({all[c].material, low, high, mass*material.massFraction*(high - low)});
+            strata.push_back({all[c].material, low, high, mass*material.massFraction*(high - low),
+                              material.density});
         }
     }
     return strata;
@@ -188,7 +198,8 @@ StratifiedFeed::Strata StratifiedFeed::particleStrata(std::size_t first, std::si
     Strata strata;
     for (std::size_t m = 0; m < count.size(); ++m)
         for (std::size_t j = 0; j < count[m]; ++j)
-            strata.push_back({int(m), double(j)/double(count[m]), double(j + 1)/double(count[m]), 0});
+            strata.push_back({int(m), double(j)/double(count[m]), double(j + 1)/double(count[m]), 0,
+                              materials_[m].density});
     return strata;
 }
 
@@ -204,7 +215,7 @@ double StratifiedFeed::diameter(const Stratum& stratum, double at) const
 double StratifiedFeed::particleMass(const Stratum& stratum, double at) const
 {
     const double d = diameter(stratum, at);
-    return materials_[stratum.material].density*pi/6*d*d*d;
+    return stratum.density*pi/6*d*d*d;
 }
 
 
@@ -233,6 +244,21 @@ void StratifiedFeed::meetMass(double mass, const Strata& strata, std::vector<dou
 }
 
 
+void StratifiedFeed::scatterDensities(std::size_t block, Strata& strata) const
+{
+    const double rotation = uniform(scrambled(seed_), std::uint64_t(block));
+    std::vector<std::uint32_t> next(materials_.size(), 0);
+    for (Stratum& s : strata)
+    {
+        const DensityScatter* const scatter = materials_[s.material].scatter;
+        if (!scatter) continue;
+        const double u = fraction(mirroredTernary(next[s.material]++) + rotation);
+        s.density = sampling_ == Sampling::particles ? scatter->quantileByNumber(u)
+                                                     : scatter->quantileByMass(u);
+    }
+}
+
+
 void StratifiedFeed::drawBlock() const
 {
     const std::size_t block = blocksDrawn_++, first = drawn_.size();
@@ -240,8 +266,8 @@ void StratifiedFeed::drawBlock() const
     const std::size_t n = here.end - first;
     const double before = block > 0 ? blocks_[block - 1].mass : 0;
     const bool whole = sampling_ == Sampling::particles;
-    const Strata strata =
-        whole ? particleStrata(first, n) : weightedStrata(n, here.mass - before);
+    Strata strata = whole ? particleStrata(first, n) : weightedStrata(n, here.mass - before);
+    scatterDensities(block, strata);
 
     std::vector<double> at(n);
     for (std::size_t j = 0; j < n; ++j)
@@ -253,7 +279,7 @@ void StratifiedFeed::drawBlock() const
     {
         const Stratum& s = strata[j];
         const double mass = whole ? particleMass(s, at[j]) : s.mass;
-        drawn_.push_back({s.material, diameter(s, at[j]), mass});
+        drawn_.push_back({s.material, diameter(s, at[j]), mass, s.density});
         drawnNumber_[s.material] += 1;
         drawnMass_[s.material] += mass;
     }

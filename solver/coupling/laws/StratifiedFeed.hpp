@@ -13,11 +13,16 @@
 // The last block moves its sizes within their strata until the mass of the feed is met; a surplus of
 // part of a large particle, fed before, may be more than that can take back.
 //
+// Where a material's density scatters, the densities of a block follow van der Corput's sequence in
+// base 3 along its sizes: any range of sizes has nearly the stated curve of densities. Masses stay
+// exact, since a parcel's is that of its stratum; a lighter parcel is more particles.
+//
 // A parcel is a function of the seed, its number and the feed's composition. Where the feed ends is
 // part of that for the last block only. A feed that goes on after its end keeps that end among its
 // own: up to each of them the masses are exact, and what was fed stays what it was.
 #pragma once
 
+#include "DensityScatter.hpp"
 #include "SizeCurves.hpp"
 
 #include <cstdint>
@@ -33,8 +38,9 @@ enum class Sampling { particles, evenMass, evenSizes };
 struct Ingredient
 {
     double massFraction;        // of the feed
-    double density;             // kg/m3
+    double density;             // kg/m3, the mean over the numbers where it scatters
     const SizeCurves* sizes;    // outlives the feed
+    const DensityScatter* scatter = nullptr;    // likewise; null: all grains have the density
 
     double meanMass() const;    // of a particle, by number, kg
 };
@@ -44,6 +50,7 @@ struct FedParcel
     int material;
     double diameter;    // m
     double mass;        // kg, of all its particles
+    double density;     // kg/m3
 };
 
 class StratifiedFeed
@@ -69,6 +76,7 @@ private:
         int material;
         double low, high;       // cumulative shares
         double mass;            // kg
+        double density;         // kg/m3
     };
     typedef std::vector<Stratum> Strata;
 
@@ -96,6 +104,7 @@ private:
     Strata particleStrata(std::size_t first, std::size_t n) const;
 
     void drawBlock() const;
+    void scatterDensities(std::size_t block, Strata&) const;
     double diameter(const Stratum&, double at) const;
     double particleMass(const Stratum&, double at) const;
 

@@ -141,7 +141,7 @@ void Ledger::writeRows(std::ostream& os, const UList<Row>& rows) const
         os  << row.time << ','
             << (row.outlet < 0 ? word("inside") : feed_.products()[row.outlet])
             << ',' << material.name << ',' << row.id << ','
-            << row.diameter << ',' << material.density << ','
+            << row.diameter << ',' << feed_.densityOf(row.id) << ','
             << row.nParticle << ','
             << row.velocity.x() << ',' << row.velocity.y() << ','
             << row.velocity.z() << ',' << row.age << '\n';

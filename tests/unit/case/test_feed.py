@@ -198,7 +198,22 @@ CHANGES = [
     ("seed $seed", "seed 1.5", "whole number"),
     ("quartz", "all", "cannot be a material"),
     ("duration $feedTime", "duration 0", "duration"),
-]
+    ("loading $loading", "massFlowRate table ((0 1) (0 2))", "massFlowRate"),
+    ("loading $loading", "massFlowRate table ((0 1))", "rising times and rates >= 0"),
+    ("loading $loading", "massFlowRate table ((0 1) (1 -1))", "rising times and rates >= 0"),
+    ("loading $loading", "massFlowRate table ((0 1) (1 x))", "rising times and rates >= 0"),
+    ("loading $loading", "massFlowRate sine", "massFlowRate"),
+    ("density 2650", "density 2650; densityDistribution { type uniform; min 1e3; max 2e3; }",
+     "allowed: one of it and density"),
+    ("density 2650", "densityDistribution { type uniform; min 1; max 2e3; }",
+     "densityDistribution/min: 1; allowed: a finite number >= 10"),
+    ("density 2650", "densityDistribution { type uniform; min 2e3; max 1e3; }", "0 < min < max"),
+    ("density 2650", "densityDistribution { type logNormal; }", "normal | uniform | table"),
+    ("density 2650", "densityDistribution { type uniform; min 1e3; max 2e3; mean 3; }",
+     "mean: unknown entry"),
+    ("density 2650", "densityDistribution { type table; densities (1e3 2e3); cumulative (0 0.5); }",
+     "densities, cumulative: allowed: lists"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("old, new, expected", CHANGES)
@@ -212,6 +227,26 @@ def test_each_mistake_in_the_feed_is_named(column: Path, old: str, new: str, exp
         Case(column).feed()
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_density_that_scatters_counts_with_its_mean(column: Path) -> None:
+    path = column / "constant/feed"
+    text = re.sub(
+        r"density\s+2650;",
+        "densityDistribution { type table; densities (2000 3000 5000); cumulative (0 0.5 1); }",
+        path.read_text(),
+    )
+    path.write_text(text)
+    (ore,) = Case(column).feed().materials
+    assert ore.grain.density == pytest.approx(0.5 * 2500 + 0.5 * 4000)
+
+
+def test_a_rate_over_time_needs_no_duration(column: Path) -> None:
+    path = column / "constant/feed"
+    text = re.sub(r"loading\s+\$loading;", "massFlowRate table ((0 0) (1 2e-3));", path.read_text())
+    path.write_text(re.sub(r"(?m)^(duration|particles)\s[^;]*;", "", text))
+    feed = Case(column).feed()
+    assert (feed.loading, feed.mass_flow_rate) == (None, None)
 
 
 def test_products_are_any(column: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 from elutria import tables
 from elutria.classification.crossings import (
     leave_below,
+    leave_below_with_memory,
     plane_rows,
     read_counted,
     stage_rows,
@@ -29,16 +30,20 @@ def ruin(planes: int, first: int, up: float) -> float:
     return 1 - (1 - s ** (first + 1)) / (1 - s ** (planes + 1))
 
 
-def walk(seed: int) -> tuple[list[list[object]], list[list[object]]]:
+def walk(
+    seed: int, after_up: float = UP, after_down: float = UP
+) -> tuple[list[list[object]], list[list[object]]]:
     """Rows of crossings.csv and particles.csv: each parcel enters just below the plane FIRST, steps
-    every second, and crosses some planes to and fro before it goes on."""
+    every second, and crosses some planes to and fro before it goes on. The chance of a step upwards
+    is UP at first, then that after one upwards, or after one downwards."""
     random = np.random.default_rng(seed)
     crossings: list[list[object]] = []
     parcels: list[list[object]] = []
     for name in range(PARCELS):
-        plane, below, time = FIRST, True, 0.0
+        plane, below, time, chance = FIRST, True, 0.0, UP
         while 0 <= plane < PLANES:
-            up = random.random() < UP
+            up = random.random() < chance
+            chance = after_up if up else after_down
             times = int(random.integers(0, 2)) * 2 + (1 if below == up else 2)
             for k in range(times):
                 direction = 1 if below == (k % 2 == 0) else -1
@@ -50,17 +55,21 @@ def walk(seed: int) -> tuple[list[list[object]], list[list[object]]]:
     return crossings, parcels
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run")
+def written(folder: Path, walks: tuple[list[list[object]], list[list[object]]]) -> Path:
+    """A run of these rows."""
     for where, columns, rows in zip(
         ("crossings/0/crossings.csv", "outlets/0/particles.csv"),
-        (tables.CROSSINGS, tables.EVENTS), walk(1), strict=True,
+        (tables.CROSSINGS, tables.EVENTS), walks, strict=True,
     ):  # fmt: skip
         file = folder / "postProcessing" / where
         file.parent.mkdir(parents=True)
         pd.DataFrame(rows, columns=columns).to_csv(file, index=False)
     return folder
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written(tmp_path_factory.mktemp("run"), walk(1))
 
 
 @pytest.mark.parametrize("up", [0.2, 0.45, 0.7])
@@ -81,6 +90,27 @@ def test_the_step_is_found_and_the_shares_follow(run: Path) -> None:
     assert abs(row["partition_by_stages"] - expected) < 4 * error
     assert abs(row["partition"] - expected) < 4 * error
     assert row["partition_error"] == pytest.approx(error, rel=0.1)
+
+
+@pytest.mark.parametrize("planes", [1, 2, 7])
+def test_without_memory_both_walks_are_one(planes: int) -> None:
+    same = leave_below_with_memory(planes, {0: 0.4, 1: 0.4, -1: 0.4})
+    assert same == pytest.approx(leave_below(np.full(planes, 0.4)))
+
+
+def test_a_walk_that_goes_on_as_it_went_is_told_from_one_without_memory(tmp_path: Path) -> None:
+    """Drawn with memory: the walk with memory says what left, that of equal stages does not."""
+    counted = read_counted(
+        written(tmp_path / "run", walk(2, after_up=0.8, after_down=0.35)), "coarse"
+    )
+    assert counted is not None
+    (row,) = stage_rows(counted)
+    many = 4 * np.sqrt(0.25 / (row["steps"] / 4))
+    assert abs(row["step_up_after_up"] - 0.8) < many
+    assert abs(row["step_up_after_down"] - 0.35) < many
+    error = 4 * row["partition_error"]
+    assert abs(row["partition_by_memory"] - row["partition"]) < error
+    assert abs(row["partition_by_stages"] - row["partition"]) > error
 
 
 def test_what_crosses_a_plane_is_what_leaves_beyond_it(run: Path) -> None:

@@ -11,15 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from elutria.case.feed_rate import check_table, is_table
 from elutria.errors import InputError, one_line
 from elutria.files import read_text
 from elutria.openfoam.dictionary import Dictionary, read_dictionary
-from elutria.physics.laws import (
-    Grain,
-    ellipsoid_sphericity,
-    least_density,
-    terminal_velocities,
-)
+from elutria.physics.densities import read_density
+from elutria.physics.laws import Grain, ellipsoid_sphericity, terminal_velocities
 from elutria.physics.sizes import SizeDistribution, read_size_distribution
 
 ENTRIES = (
@@ -29,8 +26,8 @@ ENTRIES = (
 )  # fmt: skip
 MOST_PLANES = 200
 MATERIAL_ENTRIES = (
-    "density", "sphericity", "flatness", "elongation", "measuredVelocity", "massFraction",
-    "sizeDistribution",
+    "density", "densityDistribution", "sphericity", "flatness", "elongation", "measuredVelocity",
+    "massFraction", "sizeDistribution",
 )  # fmt: skip
 
 
@@ -48,7 +45,8 @@ class Material:
 class Feed:
     """The feed as constant/feed states it. What the solver makes of it is in its plan. SI units.
 
-    `loading` is kg of solids per kg of gas, `mass_flow_rate` kg/s: one of them is None.
+    `loading` is kg of solids per kg of gas, `mass_flow_rate` kg/s: one of them is None, both are
+    where the rate changes over time by a table.
     `outlets` gives each product's patches, `partition_to` the product whose share the curve is.
     """
 
@@ -83,7 +81,8 @@ def read_feed(case: Path) -> Feed:
     particles = entries.number("particles", None, at_least=1, at_most=1e12)
     if particles is not None and particles != int(particles):
         raise entries.refuse("particles", "a whole number >= 1")
-    if duration == inf and particles is None:
+    by_table = loading is None and rate is None
+    if duration == inf and particles is None and not by_table:
         raise InputError(
             f"{entries.where()}: neither duration nor particles is given; "
             "allowed: duration (s), particles (a whole number) or both"
@@ -131,6 +130,9 @@ def _read_rate(entries: Dictionary) -> tuple[float | None, float | None]:
         )
     if names == ["loading"]:
         return entries.number("loading", above=0, at_most=1000, unit="kg solids per kg gas"), None
+    if is_table(entries):
+        check_table(entries)
+        return None, None
     return None, entries.number("massFlowRate", above=0, at_most=1e6, unit="kg/s")
 
 
@@ -237,7 +239,7 @@ def _check_shares(entries: Dictionary, materials: list[Material]) -> None:
 
 
 def _read_grain(entry: Dictionary, case: Path) -> Grain:
-    density = entry.number("density", at_least=least_density(), at_most=3e4, unit="kg/m3")
+    density = read_density(entry)
     shape = [name for name in ("sphericity", "flatness", "elongation") if name in entry]
     if shape not in ([], ["sphericity"], ["flatness", "elongation"]):
         raise entry.refuse(shape[0], "sphericity, or both flatness and elongation")

@@ -4,7 +4,8 @@ and the stage model that follows from the crossings.
 A parcel that has crossed a plane next reaches the plane above, the plane below, or leaves: a walk
 whose steps are counted here, to and fro across one plane left out. The chance of a step upwards,
 taken as the same at all planes, makes the column a cascade of equal stages (gambler's ruin): its
-share to the last product is worked out from the crossings alone and stands beside what left.
+share to the last product is worked out from the crossings alone and stands beside what left. A step
+may also be likelier after one of its kind: a walk with memory, of equal stages too.
 """
 
 from __future__ import annotations
@@ -183,29 +184,64 @@ def leave_below(up: Array) -> Array:
     return np.asarray(np.linalg.solve(matrix, right))
 
 
+def leave_below_with_memory(planes: int, up: dict[int, float]) -> Array:
+    """The same from each of n equal planes where a parcel begins, where the chance of a step
+    upwards is up[1] after one upwards, up[-1] after one downwards, and up[0] at the begin."""
+    # of a plane and the step that led to it: up first, then down
+    matrix, right = np.eye(2 * planes), np.zeros(2 * planes)
+    for plane, (offset, went) in itertools.product(range(planes), ((0, 1), (planes, -1))):
+        row = offset + plane
+        if plane + 1 < planes:
+            matrix[row, plane + 1] -= up[went]
+        if plane > 0:
+            matrix[row, planes + plane - 1] -= 1 - up[went]
+        else:
+            right[row] = 1 - up[went]
+    after = np.linalg.solve(matrix, right)
+    above = np.r_[after[1:planes], 0.0]
+    below = np.r_[1.0, after[planes : 2 * planes - 1]]
+    return np.asarray(up[0] * above + (1 - up[0]) * below)
+
+
 def stage_rows(counted: Counted) -> list[Row]:
-    """stages.csv: the chance of a step upwards, and the share to the last product by equal stages
-    and as it left."""
-    planes = counted.heights.size
+    """stages.csv: the chance of a step upwards, and the share to the last product by equal stages,
+    by those of a walk with memory, and as it left."""
     rows = []
     for key, members, crossings in _classes(counted):
         found = float(np.mean(members["outlet"] == counted.partition_to))
-        plane, went, ids = steps(crossings)
-        coarse = (members["outlet"] == counted.partition_to).reindex(ids).to_numpy()
-        ends = np.r_[ids[1:] != ids[:-1], True] if ids.size else np.empty(0, bool)
-        begins = went == 0
-        up = int(np.sum(went > 0) + np.sum(ends & ~coarse))
-        down = int(np.sum(went < 0) + np.sum(ends & coarse))
-        chance, by_stages = nan, nan
-        if up + down > 0:
-            chance = up / (up + down)
-            start = np.bincount(plane[begins], minlength=planes) / len(members)
-            untouched = ~members.index.isin(ids)
-            away = float(np.mean(untouched & (members["outlet"] == counted.partition_to)))
-            by_stages = float(start @ leave_below(np.full(planes, chance))) + away
         rows.append({
-            **key, "parcels": len(members), "steps": up + down, "step_up": chance,
-            "partition_by_stages": by_stages, "partition": found,
+            **key, "parcels": len(members), **_walks(counted, members, crossings),
+            "partition": found,
             "partition_error": sqrt(max(found * (1 - found), 0.25 / len(members)) / len(members)),
         })  # fmt: skip
     return rows
+
+
+def _walks(counted: Counted, members: pd.DataFrame, crossings: pd.DataFrame) -> Row:
+    """Chances of a step, and the shares that follow from them."""
+    planes = counted.heights.size
+    plane, came, ids = steps(crossings)
+    is_coarse = members["outlet"] == counted.partition_to
+    last = np.r_[ids[1:] != ids[:-1], True] if ids.size else np.empty(0, bool)
+    # the step that follows: to the next plane, or out
+    out = np.where(is_coarse.reindex(ids).to_numpy(dtype=bool), -1, 1)
+    goes = np.where(last, out, np.r_[came[1:], 0] if ids.size else came)
+    chance = _up(goes)
+    up = {0: _up(goes[came == 0]), 1: _up(goes[came > 0]), -1: _up(goes[came < 0])}
+    by_stages, by_memory = nan, nan
+    if goes.size:
+        start = np.bincount(plane[came == 0], minlength=planes) / len(members)
+        away = float(np.mean(~members.index.isin(ids) & is_coarse))
+        known = {kind: chance if np.isnan(one) else one for kind, one in up.items()}
+        by_stages = float(start @ leave_below(np.full(planes, chance))) + away
+        by_memory = float(start @ leave_below_with_memory(planes, known)) + away
+    return {
+        "steps": goes.size, "step_up": chance, "step_up_after_up": up[1],
+        "step_up_after_down": up[-1], "partition_by_stages": by_stages,
+        "partition_by_memory": by_memory,
+    }  # fmt: skip
+
+
+def _up(goes: Array) -> float:
+    """Share of steps upwards; nan of none."""
+    return float(np.mean(goes > 0)) if goes.size else nan

@@ -85,6 +85,9 @@ def _setting(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool)
     table.add_row("patches", patches, origin)
     rate = feed["rate_kg_s"]
     grams = _known(None if rate is None else 1e3 * rate, "{:.3g} g/s")
+    if feed["rate_times"] is not None:
+        peak = 1e3 * feed["peak_rate_kg_s"]
+        grams += f" on average, by a table of {feed['rate_times']:.0f} times, up to {peak:.3g} g/s"
     table.add_row("feed", grams, "constant/feed")
     if rate is not None:
         table.add_row(
@@ -112,7 +115,7 @@ def _materials(plan: dict[str, Any]) -> Table:
         quantiles = [material[f"{name}_m"] * 1e6 for name in ("d10", "d50", "d90")]
         table.add_row(
             material["name"],
-            f"{material['density_kg_m3']:g}",
+            _density(material),
             f"{material['sphericity']:g}",
             f"{material['mass_fraction']:g}",
             f"{um['smallest']:.4g}..{um['largest']:.4g}",
@@ -120,6 +123,14 @@ def _materials(plan: dict[str, Any]) -> Table:
             _cut(um["cut"], um["smallest"] or 0.0, um["largest"] or 0.0),
         )
     return table
+
+
+def _density(material: dict[str, Any]) -> str:
+    """The density, and its range where it scatters."""
+    mean, least, largest = (
+        f"{material[f'{kind}density_kg_m3']:.5g}" for kind in ("", "least_", "largest_")
+    )
+    return mean if least == largest else f"{mean} ({least}..{largest})"
 
 
 def _cut(size: float | None, smallest: float, largest: float) -> str:

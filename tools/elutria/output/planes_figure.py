@@ -41,6 +41,9 @@ def planes_figure(zones: Sequence[Row], stages: Sequence[Row]) -> Figure:
     shares.plot(
         size, [row["partition_by_stages"] for row in stages], "-", color="C0", label="equal stages"
     )
+    shares.plot(
+        size, [row["partition_by_memory"] for row in stages], "--", color="C1", label="with memory"
+    )
     size_axis(shares, 0.95 * min(size), 1.05 * max(size))
     shares.set_ylim(-0.05, 1.05)
     shares.set_xlabel("diameter  (µm)")

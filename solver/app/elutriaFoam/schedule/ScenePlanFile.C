@@ -192,6 +192,8 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
             ({
                 {"name", json::text(m.name)},
                 {"density_kg_m3", json::number(m.density)},
+                {"least_density_kg_m3", json::number(m.leastDensity())},
+                {"largest_density_kg_m3", json::number(m.largestDensity())},
                 {"sphericity", json::number(m.form.sphericity)},
                 {"flatness", axis(m.form.flatness)},
                 {"elongation", axis(m.form.elongation)},
@@ -217,6 +219,11 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
         {"through", json::text(feed.place())},
         {"outlets", outlets(feed, gas_.U().mesh().boundaryMesh())},
         {"rate_kg_s", rated(feed.massFlow())},
+        {"peak_rate_kg_s", rated(feed.peakFlow())},
+        {
+            "rate_times",
+            feed.table() ? json::number(feed.table()->times().size()) : "null"
+        },
         {"particles_per_s", rated(feed.massFlow()/feed.meanMass())},
         {"particles_per_parcel", rated(feed.particlesPerParcel())},
         {"parcels", limited ? json::number(feed.parcels()) : "null"},

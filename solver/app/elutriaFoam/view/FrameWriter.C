@@ -201,7 +201,9 @@ std::vector<char> FrameWriter::departures() const
         record.time = row.time;
         record.age = row.age;
         record.diameter = row.diameter;
-        record.number = row.nParticle;
+        record.number =
+            row.nParticle
+           *(feed_.densityOf(row.id)/feed_.materials()[record.material].density);
         append(bytes, record);
     }
     return bytes;

@@ -1,0 +1,59 @@
+"""Densities of a material whose grains are not all alike. Shares are of the mass.
+
+The curves are the solver's (solver/coupling/laws, DensityScatter.hpp); here stands what a
+dictionary may say.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from elutria.errors import InputError
+from elutria.openfoam.dictionary import Dictionary
+from elutria.physics import laws
+
+LARGEST = 3e4
+"""kg/m3; more is another unit."""
+ENTRIES = {
+    "normal": ("type", "min", "max", "mean", "standardDeviation"),
+    "uniform": ("type", "min", "max"),
+    "table": ("type", "densities", "cumulative"),
+}
+"""Of each `type` of a densityDistribution, what its dictionary may hold."""
+
+
+def read_density(material: Dictionary) -> float:
+    """A material's density, kg/m3: the mean over its mass where it scatters. Raises InputError
+    naming the entry and its range."""
+    if "densityDistribution" not in material:
+        return _density(material, "density")
+    for other in ("density", "measuredVelocity"):
+        if other in material:
+            raise material.refuse("densityDistribution", f"one of it and {other}")
+    entry = material.sub("densityDistribution")
+    kind = entry.word("type", ENTRIES)
+    entry.refuse_unknown(ENTRIES[kind])
+    try:
+        density, lighter, *_ = _curve(entry, kind).curves()
+    except ValueError as error:
+        said = str(error).replace("diameters", "densities")
+        raise InputError(f"{entry.where()}: {said}") from error
+    return float(np.sum(np.diff(lighter) * (density[1:] + density[:-1]) / 2))
+
+
+def _curve(entry: Dictionary, kind: str) -> laws.Sizes:
+    if kind == "table":
+        densities = entry.numbers("densities")
+        if min(densities) < laws.least_density() or max(densities) > LARGEST:
+            raise entry.refuse(
+                "densities", f"rising, from {laws.least_density():g} to {LARGEST:g} (kg/m3)"
+            )
+        return laws.sieved_sizes(densities, entry.numbers("cumulative"), "mass")
+    names = ("mean", "standardDeviation") if kind == "normal" else ()
+    parameters = [entry.number(name, above=0, at_most=LARGEST, unit="kg/m3") for name in names]
+    low, high = (_density(entry, name) for name in ("min", "max"))
+    return laws.law_sizes(kind, parameters, low, high, "mass")
+
+
+def _density(entry: Dictionary, name: str) -> float:
+    return entry.number(name, at_least=laws.least_density(), at_most=LARGEST, unit="kg/m3")
