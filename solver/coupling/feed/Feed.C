@@ -10,7 +10,7 @@
 #include "feed/grainForm.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "foam/standsIn.H"
 #include "laws/FeedRules.hpp"
 #include "volFields.H"
@@ -26,27 +26,20 @@ defineTypeNameAndDebug(Feed, 0);
 namespace
 {
 
-scalar readAtLeast(const dictionary& dict, const word& entry, scalar least)
+//- Beyond these it is a mistake, in a unit or an exponent
+constexpr scalar
+    longest = 1e9,              // of a feed, or until it begins [s]
+    fastest = 1000,             // of what is fed [m/s]
+    densest = 1e6,              // [kg/m3]
+    largestFlow = 1e6;          // [kg/s], or kg of solids per kg of gas
+
+
+scalar readDensity(const dictionary& material)
 {
-    const scalar value = dict.get<scalar>(entry);
-    if (!(value >= least) || !std::isfinite(value))
-    {
-        FatalIOErrorInFunction(dict)
-            << entry << " is " << value << ", allowed: >= " << least
-            << exit(FatalIOError);
-    }
-    return value;
-}
-
-
-//- A feed that lasts longer is a mistake [s]
-constexpr scalar longest = 1e9;
-
-scalar readPositive(const dictionary& dict, const word& entry)
-{
-    const scalar value = dict.get<scalar>(entry);
-    requirePositive(entry, value, dict);
-    return value;
+    return readAllowed
+    (
+        material, "density", atLeast(elutria::laws::leastDensity, densest)
+    );
 }
 
 } // End anonymous namespace
@@ -57,12 +50,12 @@ scalar readPositive(const dictionary& dict, const word& entry)
 Feed::Material::Material(const word& name, const dictionary& dict)
 :
     name(name),
-    density(readAtLeast(dict, "density", elutria::laws::leastDensity)),
+    density(readDensity(dict)),
     measured(readMeasuredDrag(dict, density)),
     form(readForm(dict)),
     massFraction
     (
-        dict.found("massFraction") ? readAtLeast(dict, "massFraction", 0) : 1
+        dict.found("massFraction") ? readAllowed(dict, "massFraction", atLeast(0, 1 + 1e-6)) : 1
     ),
     focus(0),
     sizes(dict.subDict("sizeDistribution"))
@@ -208,23 +201,23 @@ void Feed::readSchedule()
         told_.found("massFlow")
       ? told_.get<scalar>("massFlow")
       : rated
-      ? readPositive(*this, "massFlowRate")
-      : readPositive(*this, "loading")*gasFlow_;
+      ? readAllowed(*this, "massFlowRate", above(0, largestFlow))
+      : readAllowed(*this, "loading", above(0, largestFlow))*gasFlow_;
 
-    start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
+    start_ = found("start") ? readAllowed(*this, "start", atLeast(0, longest)) : 0;
     if (!found("duration") && !found("particles"))
     {
         FatalIOErrorInFunction(*this)
             << "give duration (s), particles (a whole number) or both"
             << exit(FatalIOError);
     }
-    duration_ = found("duration") ? readPositive(*this, "duration") : GREAT;
-    if (found("duration"))
-    {
-        requireBetween("duration", duration_, 0, longest, *this);
-    }
-    drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
+    duration_ =
+        found("duration")
+      ? readAllowed(*this, "duration", above(0, longest)) : GREAT;
+    drainTime_ =
+        found("drainTime") ? readAllowed(*this, "drainTime", atLeast(0)) : GREAT;
     maxParticles_ = getOrDefault<label>("particles", labelMax);
+    requireAllowed("particles", maxParticles_, atLeast(1), *this);
     asked_ = maxParticles_;
 
     sampling_ = readSampling();
@@ -237,6 +230,7 @@ void Feed::readSchedule()
     slots_ = min(scalar(maxParticles_), duration_*rate_);
     parcels_ = label(max(scalar(1), std::round(min(slots_, scalar(labelMax)))));
 
+    requireAllowed("seed", seedEntry(), atLeast(0), *this);
     seed_ = elutria::laws::scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
 
@@ -252,7 +246,7 @@ void Feed::addParcels()
     {
         return;
     }
-    const scalar most = readPositive(*this, "particlesPerParcel");
+    const scalar most = readAllowed(*this, "particlesPerParcel", above(0));
     if (!isDilute())
     {
         const scalar fed =
@@ -279,13 +273,11 @@ elutria::laws::Sampling Feed::readSampling() const
     {
         return Sampling::evenSizes;
     }
-    if (parcels != "particles")
-    {
-        FatalIOErrorInFunction(*this)
-            << "parcels is " << parcels
-            << ", allowed: particles, evenMass, evenSizes"
-            << exit(FatalIOError);
-    }
+    requireAllowed
+    (
+        "parcels", parcels, wordList({"particles", "evenMass", "evenSizes"}),
+        *this
+    );
     return Sampling::particles;
 }
 
@@ -398,6 +390,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
 void Feed::readAll(const word& phaseName)
 {
     velocity_ = getOrDefault<vector>("velocity", Zero);
+    requireAllowed("velocity", mag(velocity_), below(fastest), *this);
     readGasFlow(phaseName);
     readAmounts(phaseName);
 }

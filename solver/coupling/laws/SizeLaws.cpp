@@ -84,6 +84,16 @@ void requirePositive(const char* name, double value)
     require(value > 0 && std::isfinite(value), name, value, "a number > 0");
 }
 
+
+/// A larger one is a mistake [m]
+constexpr double largestSize = 1;
+
+void requireSize(const char* name, double diameter)
+{
+    requirePositive(name, diameter);
+    require(diameter <= largestSize, name, diameter, "a diameter up to 1 m");
+}
+
 } // namespace
 
 
@@ -122,8 +132,8 @@ CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double m
             require(parameters[i] > 1, "sigma", parameters[i],
                     "a geometric standard deviation > 1");
     }
-    requirePositive("min", min);
-    requirePositive("max", max);
+    requireSize("min", min);
+    requireSize("max", max);
 
     const double below = law.finer(min, parameters), share = law.finer(max, parameters) - below;
     if (max <= min || !(share > 0))
@@ -151,6 +161,7 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
     if (!ordered)
         throw std::invalid_argument("diameters, cumulative: allowed: lists of the same length,"
                                     " increasing, diameters > 0, cumulative from 0 to 1");
+    requireSize("diameters", diameters.back());
 
     // A fine grid between the sieves, so that the change of weighting within one sieve class is
     // followed
@@ -173,7 +184,7 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
 
 CumulativeCurve single(double diameter)
 {
-    requirePositive("value", diameter);
+    requireSize("value", diameter);
     return {{diameter, diameter}, {0, 1}, {diameter, diameter}};
 }
 
