@@ -180,6 +180,14 @@ def test_all_dictionaries_and_feeds(
     check_all(capsys, column, tmp_path / "in", case_inputs(seed), CHECK, seed)
 
 
+@pytest.mark.parametrize("number", [4, pytest.param(0, marks=pytest.mark.slow)])
+def test_what_openfoam_takes_without_a_word(
+    capsys: pytest.CaptureFixture[str], column: Path, tmp_path: Path, number: int
+) -> None:
+    inputs = list(malformed.silent_inputs("0.orig"))
+    check_all(capsys, column, tmp_path / "in", some(inputs, number or len(inputs)), CHECK)
+
+
 def test_some_meshes(capsys: pytest.CaptureFixture[str], meshed: Path, tmp_path: Path) -> None:
     inputs = list(malformed.mesh_inputs(random.Random(SEED)))
     check_all(capsys, meshed, tmp_path / "in", some(inputs, 15), CHECK)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 from dataclasses import replace
 from pathlib import Path
@@ -149,6 +150,24 @@ def test_a_wall_that_gas_flows_through_is_an_inlet_and_does_not_move(tmp_path: P
     case = box.make(tmp_path / "inlet", grain)
     solve(case, 1)
     assert abs(read_particles(case, "0.02").velocity[0, 0]) < 1e-9
+    (warning,) = [w for w in json.loads((case / "warnings.json").read_text())
+                  if w["name"] == "wallVelocity"]  # fmt: skip
+    assert "the wall bottom" in warning["what"]
+    assert warning["how_much"] == "1 m/s across it"
+
+
+def test_a_deck_that_shakes_across_itself_is_said_to_be_at_rest(tmp_path: Path) -> None:
+    """At its start it has no velocity: what the run will find is said when it comes."""
+    grain = Particles.of([(0.05, 0.05, 0.5e-3)], [(0, 0, 0)], diameter=1e-3)
+    shaking = {"type": "uniformFixedValue", "uniformValue": "sine", "uniformValueCoeffs": {
+        "frequency": 50, "amplitude": 1, "scale": [0, 0, 0.5], "level": [0, 0, 0]},
+        "value": [0, 0, 0]}  # fmt: skip
+    box = replace(BOX, cells=(1, 1, 2), contacts=Contacts(Pair(0.8, 0.4)), end=0.01,
+                  more={"0.orig/U.air:boundaryField/bottom": shaking})  # fmt: skip
+    case = box.make(tmp_path / "deck", grain)
+    solve(case, 1)
+    said = json.loads((case / "warnings.json").read_text())
+    assert [w["first_time_s"] for w in said if w["name"] == "wallVelocity"] > [0]
 
 
 def test_walls_may_have_a_law_of_their_own(tmp_path: Path, measured) -> None:

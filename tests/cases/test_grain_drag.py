@@ -100,6 +100,12 @@ def test_grains_of_measured_sizes_settle_as_measured(tmp_path: Path, measured: N
         ("SchillerNaumannDrag;", "sphericity 0.6;", "dust has sphericity 0.6, which Schiller"),
         ("sphereDrag;", "flatness 0.5; elongation 0.5;", "which sphereDrag does not take"),
         ("nonSphereDrag { phi 0.7; }", "sphericity 0.6;", "which nonSphereDrag does not take"),
+        ("WenYuDrag { alphac alpha.air; }", "sphericity 0.6;", "which WenYuDrag does not take"),
+        (
+            "PlessisMasliyahDrag { alphac alpha.air; }",
+            "sphericity 0.6;",
+            "which PlessisMasliyahDrag does not take",
+        ),
     ],
 )
 def test_a_law_says_what_it_needs_to_know(tmp_path: Path, drag: str, shape: str, said: str) -> None:

@@ -179,6 +179,25 @@ def listed() -> list[tuple[str, str, str]]:
     return [(kind, name.replace("\\\\", "\\"), use) for kind, name, use in rows]
 
 
+def test_the_manual_lists_what_numbers_and_words_may_be() -> None:
+    code = (ROOT / "solver/app/elutriaFoam/run/controls.C").read_text()
+    page = (ROOT / "docs/user/honoured.md").read_text().partition("## Numbers and words")[2]
+    lines = [line.replace("\\|", "|") for line in page.splitlines() if line.startswith("| ")]
+    told = [line.removesuffix(" |").split(" | ") for line in lines]
+    ends = {"above": ("above {}", ", up to {}"), "atLeast": ("{} or more", ", up to {}"),
+            "below": ("0 or more, below {}",)}  # fmt: skip
+    rule = r'\{\s*"\w+", "([^"]+)",\s*(?:(\w+)\(([^)]*)\)|\{([^}]*)\})\s*\}'
+    rules = re.findall(rule, code)
+    assert len(rules) > 15
+    for entry, kind, numbers, words in rules:
+        (allowed,) = [row[2] for row in told if row[1] == f"`{entry}`"]
+        if words:
+            assert re.findall(r"`(\w+)`", allowed) == re.findall(r'"(\w+)"', words)
+        else:
+            parts = zip(ends[kind], numbers.split(","), strict=False)
+            assert allowed == "".join(text.format(number.strip()) for text, number in parts)
+
+
 def test_the_manual_lists_what_the_solver_lists() -> None:
     page = (ROOT / "docs/user/honoured.md").read_text()
     known = {name for kind, name, use in listed() if kind == "file"}

@@ -60,6 +60,57 @@ EXECUTABLE = [
     '"`touch executed`"',
     '"; touch executed #"',
 ]
+SOLUTION, BLOCKS = "system/fvSolution", "system/blockMeshDict"
+SILENT: list[tuple[str, str, str]] = [
+    # OpenFOAM takes these, or goes on with another value: file, entry, and what is appended
+    (CONTROL, "purgeWrite", "purgeWrite -1;"),
+    (CONTROL, "timePrecision", "timePrecision 0;"),
+    (CONTROL, "writePrecision", "writePrecision 4000;"),
+    (CONTROL, "timeFormat", "timeFormat sientific;"),
+    (CONTROL, "writeCompression", "writeCompression perhaps;"),
+    (CONTROL, "deltaT", "deltaT 1e300;"),
+    (CONTROL, "endTime", "startFrom startTime; startTime 0.5; endTime 0.25;"),
+    (CONTROL, "libs", 'libs ("libNowhere.so");'),
+    (
+        CONTROL,
+        "type",
+        'functions { mine { type fieldMinMux; libs ("libfieldFunctionObjects.so"); } }',
+    ),
+    (CONTROL, "libs", 'functions { mine { type fieldMinMax; libs ("libNowhere.so"); } }'),
+    (
+        CONTROL,
+        "fields",
+        'functions { mine { type fieldMinMax; libs ("libfieldFunctionObjects.so"); } }',
+    ),
+    (SOLUTION, "nOuterCorrectors", "PIMPLE { nOuterCorrectors 0; }"),
+    (SOLUTION, "nCorrectors", "PIMPLE { nCorrectors -1; }"),
+    (SOLUTION, "nNonOrthogonalCorrectors", "PIMPLE { nNonOrthogonalCorrectors -1; }"),
+    (SOLUTION, "tolerance", "solvers { p { tolerance 2; } }"),
+    (SOLUTION, "relTol", "solvers { p { relTol 1; } }"),
+    (SOLUTION, "maxIter", "solvers { p { maxIter 0; } }"),
+    (SOLUTION, "U.air", "relaxationFactors { equations { U.air -0.5; } }"),
+    (CLOUD, "rho0", "constantProperties { rho0 1e300; }"),
+]
+SILENT_VALUES = [
+    (FEED, "velocity", "(0 0 1e300)"),
+    (FEED, "start", "1e300"),
+    (FEED, "duration", "1e300"),
+    (FEED, "density", "1e300"),
+    (FEED, "drainTime", "-1"),
+    (FEED, "particles", "0"),
+    (FEED, "max", "1e300"),
+    (GAS, "nu", "1e300"),
+    (GAS, "rho.air", "1e300"),
+]
+SILENT_FIELDS = [  # field, entry, what stands there, what then stands there
+    ("p", "dimensions", r"dimensions\s[^;]*;", "dimensions [0 2 -1 0 0 0 0];"),
+    ("U.air", "dimensions", r"dimensions\s[^;]*;", "dimensions [0 2 -1 0 0 0 0];"),
+    ("p", "internalField", r"internalField\s[^;]*;", "internalField uniform 1e300;"),
+    ("k.air", "dimensions", r"dimensions\s[^;]*;", "dimensions [0 1 -1 0 0 0 0];"),
+    ("k.air", "internalField", r"internalField\s[^;]*;", "internalField uniform -1;"),
+    ("epsilon.air", "internalField", r"internalField\s[^;]*;", "internalField uniform 0;"),
+    ("nut.air", "internalField", r"internalField\s[^;]*;", "internalField uniform -1;"),
+]
 HUGE_FILE = 6_000_000
 
 outcomes: Counter[tuple[str, str, str]] = Counter()
@@ -107,6 +158,28 @@ def entry_inputs(draw: random.Random) -> Iterator[Input]:
     for file, name, old, new in CONTRADICTIONS:
         yield _replaced("inconsistent", file, name, old, new)
     yield _valued("executed", FEED, "patch", draw.choice(EXECUTABLE))
+
+
+def silent_inputs(fields: str) -> Iterator[Input]:
+    """What OpenFOAM takes without a word, or refuses late: of a case with turbulence whose fields
+    of the start are in the folder `fields`."""
+
+    def appended(file: str, text: str) -> Callable[[Path], None]:
+        def spoil(folder: Path) -> None:
+            with (folder / file).open("a") as stream:
+                stream.write(f"\n{text}\n")
+
+        return spoil
+
+    for file, name, text in SILENT:
+        yield Input("silent", _target(file), file, name, appended(file, text))
+    for file, name, value in SILENT_VALUES:
+        yield _valued("silent", file, name, value)
+    for field, name, old, new in SILENT_FIELDS:
+        yield _replaced("silent", f"{fields}/{field}", name, old, new)
+    yield Input("twice", "feed", FEED, "seed", appended(FEED, "seed 1;"))
+    for number, name in ((0, "scale"), (-0.001, "scale"), (-1, "convertToMeters")):
+        yield Input("silent", "dictionary", BLOCKS, name, appended(BLOCKS, f"{name} {number};"))
 
 
 def file_inputs(draw: random.Random, file: str, target: str) -> Iterator[Input]:

@@ -21,12 +21,14 @@ Description
 #include "feed/FeedRecord.H"
 #include "gas/GasPhase.H"
 #include "gas/GasTable.H"
+#include "gas/startFields.H"
 #include "schedule/ScenePlan.H"
 #include "view/FrameWriter.H"
 #include "view/LiveControl.H"
 #include "run/AtomicTime.H"
 #include "run/caseDictionaries.H"
 #include "run/caseFiles.H"
+#include "run/caseFunctions.H"
 #include "run/controls.H"
 #include "run/exitHandling.H"
 #include "run/meshFiles.H"
@@ -34,7 +36,7 @@ Description
 #include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "profiling.H"
 #include "sigFpe.H"
 
@@ -155,8 +157,7 @@ void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
 {
     const dictionary& constants =
         cloud.particleProperties().subDict("constantProperties");
-    const scalar largest = constants.get<scalar>("alphaMax");
-    requireBetween("alphaMax", largest, 0, 1, constants);
+    const scalar largest = readAllowed(constants, "alphaMax", above(0, 1));
 
     gas.setSolidFraction(cloud.solidFraction(largest));
     if (cloud.excessVolume() > 0)
@@ -246,19 +247,23 @@ void run(const argList& args)
     caseFiles::refuseFolders(args.rootPath()/args.globalCaseName());
     caseFiles::refuseHuge(args.rootPath()/args.globalCaseName());
     #include "createTime.H"
-    requireSoundControl(runTime.controlDict());
-    requirePositive("deltaT", runTime.deltaTValue(), runTime.controlDict());
+    requireSoundControlDict(runTime);
+    caseFunctions::load(runTime);
+    requireSoundBlocks(args.rootPath()/args.globalCaseName());
 
     // Divergence is found by GasPhase::unsound(), not by a trap
     sigFpe::unset(false);
 
     requireSoundMesh(runTime);
     #include "createMesh.H"
+    requireVolumes(mesh);
     refuseWedges(mesh);
     feedRecord::requireSameMesh(mesh);
+    requireSoundControl("fvSolution", mesh.solutionDict());
     #include "createControl.H"
     #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
+    requireSoundGravity(g);
     caseFiles::refuse(mesh);
     caseFiles::refuseHugeFields(mesh);
 
@@ -270,13 +275,14 @@ void run(const argList& args)
     (
         cloudName, gas.rho(), gas.U(), gas.mu(), g
     );
+    requireSoundControl("cloudProperties", cloud.particleProperties());
     if (cloud.feed())
     {
         CaseDrag(cloud.particleProperties()).requireShapesKnown(*cloud.feed());
     }
     setSolidFraction(gas, cloud);
     gas.startTurbulence();
-    const wordList unused
+    const std::vector<caseFiles::Unused> unused
     (
         caseFiles::unused(mesh, cloud.name(), gas.name())
     );
@@ -304,10 +310,12 @@ void run(const argList& args)
         {
             plan.setBasis(ScenePlan::gasBasis::inlet);
         }
+        caseFunctions::tryToMake(runTime);
         plan.announce(cloud, runTime, unused);
         Info<< "elutria: planned" << endl;
         return;
     }
+    caseFunctions::make(runTime);
     if (settles)
     {
         gas.startFromSettled();

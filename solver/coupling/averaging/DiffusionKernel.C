@@ -12,7 +12,7 @@
 #include "surfaceFields.H"
 #include "gaussLaplacianScheme.H"
 #include "correctedSnGrad.H"
-#include "foam/ownEntries.H"
+#include "foam/requireAllowed.H"
 #include "linear.H"
 
 namespace Foam
@@ -51,11 +51,7 @@ DiffusionKernel::DiffusionKernel(const fvMesh& mesh, const dictionary& dict)
                 << exit(FatalIOError);
         }
     }
-    if (steps_ < 1)
-    {
-        FatalIOErrorInFunction(dict)
-            << "steps is " << steps_ << ", allowed: >= 1" << exit(FatalIOError);
-    }
+    requireAllowed("steps", steps_, atLeast(1), dict);
     width_ = max(asked_, scalar(0));
 }
 

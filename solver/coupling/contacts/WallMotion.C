@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "contacts/WallMotion.H"
+#include "contacts/wallsCrossed.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "wallPolyPatch.H"
@@ -16,14 +17,6 @@ namespace Foam
 
 namespace
 {
-
-//- Gas flows through a face: the patch is an inlet or an outlet, though of
-//  type wall
-bool crosses(const vector& velocity, const vector& normal)
-{
-    return sqr(velocity & normal) > 1e-12*magSqr(velocity);
-}
-
 
 //- Velocity of a patch's faces along themselves; 0 where gas flows through
 tmp<vectorField> faceVelocity(const fvPatchVectorField& values)
@@ -74,6 +67,10 @@ bool anyWallMoves(const volVectorField& U)
 
 std::vector<elutria::dem::WallMotion> wallMotions(const volVectorField& U)
 {
+    for (const RunWarning& warning : wallsCrossed(U))
+    {
+        Warnings::add(warning);
+    }
     List<vectorField> velocities(Pstream::nProcs());
     DynamicList<vector> own;
     for (const fvPatchVectorField& values : U.boundaryField())

@@ -12,7 +12,7 @@
 #include "feed/grainForm.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "foam/standsIn.H"
 #include "laws/FeedRules.hpp"
 #include "volFields.H"
@@ -28,15 +28,11 @@ defineTypeNameAndDebug(Feed, 0);
 namespace
 {
 
-//- A feed that lasts longer is a mistake [s]
-constexpr scalar longest = 1e9;
-
-scalar readPositive(const dictionary& dict, const word& entry)
-{
-    const scalar value = dict.get<scalar>(entry);
-    requirePositive(entry, value, dict);
-    return value;
-}
+//- Beyond these it is a mistake, in a unit or an exponent
+constexpr scalar
+    longest = 1e9,              // of a feed, or until it begins [s]
+    fastest = 1000,             // of what is fed [m/s]
+    largestFlow = 1e6;          // [kg/s], or kg of solids per kg of gas
 
 } // End anonymous namespace
 
@@ -51,7 +47,7 @@ Feed::Material::Material(const word& name, const dictionary& dict)
     form(readForm(dict)),
     massFraction
     (
-        dict.found("massFraction") ? readAtLeast(dict, "massFraction", 0) : 1
+        dict.found("massFraction") ? readAllowed(dict, "massFraction", atLeast(0, 1 + 1e-6)) : 1
     ),
     focus(0),
     sizes(dict.subDict("sizeDistribution")),
@@ -209,7 +205,7 @@ scalar Feed::durationOf
 {
     if (feed.found("duration"))
     {
-        return readPositive(feed, "duration");
+        return readAllowed(feed, "duration", above(0, longest));
     }
     return table ? table->end() - feed.getOrDefault<scalar>("start", 0) : GREAT;
 }
@@ -240,7 +236,7 @@ void Feed::readSchedule()
 {
     const bool rated = isRated();
     table_ = rated ? readRateTable(*this) : nullptr;
-    start_ = found("start") ? readAtLeast(*this, "start", 0) : 0;
+    start_ = found("start") ? readAllowed(*this, "start", atLeast(0, longest)) : 0;
     if (!found("duration") && !found("particles") && !table_)
     {
         FatalIOErrorInFunction(*this)
@@ -249,10 +245,6 @@ void Feed::readSchedule()
     }
     duration_ = durationOf(*this, table_.get());
     const bool lasts = duration_ < GREAT;
-    if (found("duration"))
-    {
-        requireBetween("duration", duration_, 0, longest, *this);
-    }
 
     massFlow_ =
         table_
@@ -260,11 +252,13 @@ void Feed::readSchedule()
       : told_.found("massFlow")
       ? told_.get<scalar>("massFlow")
       : rated
-      ? readPositive(*this, "massFlowRate")
-      : readPositive(*this, "loading")*gasFlow_;
+      ? readAllowed(*this, "massFlowRate", above(0, largestFlow))
+      : readAllowed(*this, "loading", above(0, largestFlow))*gasFlow_;
 
-    drainTime_ = getOrDefault<scalar>("drainTime", GREAT);
+    drainTime_ =
+        found("drainTime") ? readAllowed(*this, "drainTime", atLeast(0)) : GREAT;
     maxParticles_ = getOrDefault<label>("particles", labelMax);
+    requireAllowed("particles", maxParticles_, atLeast(1), *this);
     asked_ = maxParticles_;
 
     sampling_ = readSampling();
@@ -277,6 +271,7 @@ void Feed::readSchedule()
     slots_ = min(scalar(maxParticles_), duration_*rate_);
     parcels_ = label(max(scalar(1), std::round(min(slots_, scalar(labelMax)))));
 
+    requireAllowed("seed", seedEntry(), atLeast(0), *this);
     seed_ = elutria::laws::scrambled(uint64_t(seedEntry()) + 0x9e3779b97f4a7c15ULL);
 }
 
@@ -292,7 +287,7 @@ void Feed::addParcels()
     {
         return;
     }
-    const scalar most = readPositive(*this, "particlesPerParcel");
+    const scalar most = readAllowed(*this, "particlesPerParcel", above(0));
     if (!isDilute())
     {
         const scalar fed =
@@ -319,13 +314,11 @@ elutria::laws::Sampling Feed::readSampling() const
     {
         return Sampling::evenSizes;
     }
-    if (parcels != "particles")
-    {
-        FatalIOErrorInFunction(*this)
-            << "parcels is " << parcels
-            << ", allowed: particles, evenMass, evenSizes"
-            << exit(FatalIOError);
-    }
+    requireAllowed
+    (
+        "parcels", parcels, wordList({"particles", "evenMass", "evenSizes"}),
+        *this
+    );
     return Sampling::particles;
 }
 
@@ -460,6 +453,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName, const dictionary& told)
 void Feed::readAll(const word& phaseName)
 {
     velocity_ = getOrDefault<vector>("velocity", Zero);
+    requireAllowed("velocity", mag(velocity_), below(fastest), *this);
     readGasFlow(phaseName);
     readAmounts(phaseName);
 }

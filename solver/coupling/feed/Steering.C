@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "feed/Steering.H"
+#include "foam/ownEntries.H"
 #include "IOdictionary.H"
 #include "OSspecific.H"
 #include "Pstream.H"
@@ -55,6 +56,7 @@ Steering::Steering(const Time& time)
             false
         )
     );
+    requireEntries(dict, wordList({"changes"}));
     const auto rows =
         dict.getOrDefault<List<vector>>("changes", List<vector>());
     for (const vector& row : rows)

@@ -8,7 +8,7 @@
 #include "feed/grainDensity.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "laws/FeedRules.hpp"
 #include "scalarList.H"
 
@@ -31,7 +31,8 @@ laws::CumulativeCurve readTable(const dictionary& dict)
     return laws::sieved
     (
         {densities.cbegin(), densities.cend()},
-        {lighter.cbegin(), lighter.cend()}, "densities"
+        {lighter.cbegin(), lighter.cend()}, "densities",
+        laws::largestDensity
     );
 }
 
@@ -61,7 +62,7 @@ laws::CumulativeCurve readCurve(const dictionary& dict)
     return laws::truncated
     (
         *laws::findSizeLaw(type), parameters.data(), dict.get<scalar>("min"),
-        dict.get<scalar>("max")
+        dict.get<scalar>("max"), laws::largestDensity
     );
 }
 
@@ -74,7 +75,11 @@ scalar readDensity(const dictionary& material)
     return
         scatter
       ? scatter->meanByMass()
-      : readAtLeast(material, "density", laws::leastDensity);
+      : readAllowed
+        (
+            material, "density",
+            atLeast(laws::leastDensity, laws::largestDensity)
+        );
 }
 
 

@@ -9,7 +9,7 @@
 #include "feed/SizeDistribution.H"
 #include "foam/caseText.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "foam/Warnings.H"
 
 #include <stdexcept>
@@ -78,8 +78,8 @@ std::shared_ptr<const elutria::laws::MeasuredDrag> readMeasuredDrag
     const fileName file(dict.get<fileName>("file"));
     const scalar rho = dict.getOrDefault<scalar>("gasDensity", 1.2);
     const scalar mu = dict.getOrDefault<scalar>("gasViscosity", 1.8e-5);
-    requirePositive("gasDensity", rho, dict);
-    requirePositive("gasViscosity", mu, dict);
+    requireAllowed("gasDensity", rho, above(0), dict);
+    requireAllowed("gasViscosity", mu, above(0), dict);
     if (rho >= density)
     {
         FatalIOErrorInFunction(dict)

@@ -6,15 +6,14 @@
 \*---------------------------------------------------------------------------*/
 
 #include "foam/ownEntries.H"
+#include "foam/fileEntries.H"
 #include "foam/foamVersion.H"
 #include "foam/standsIn.H"
 #include "OSspecific.H"
 #include "Pstream.H"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <regex>
 #include <vector>
@@ -111,70 +110,6 @@ size_t distance(const std::string& a, const std::string& b)
 }
 
 
-//- A file without its comments and #lines, which have other files' names
-std::string withoutComments(std::istream& file)
-{
-    std::string text, line;
-    bool commented = false;
-    while (std::getline(file, line))
-    {
-        for (size_t k = 0; k < line.size(); ++k)
-        {
-            const std::string next(line, k, 2);
-            if (commented)
-            {
-                commented = next != "*/";
-                k += commented ? 0 : 1;
-            }
-            else if (next == "/*")
-            {
-                commented = true;
-                ++k;
-            }
-            else if (next == "//" || line[k] == '#')
-            {
-                break;
-            }
-            else
-            {
-                text += line[k];
-            }
-        }
-        text += '\n';
-    }
-    return text;
-}
-
-
-//- Names of the entries that stand in a file itself, outside of all brackets
-std::vector<std::string> keysOf(const fileName& path)
-{
-    std::ifstream file(path);
-    std::vector<std::string> keys;
-    std::string word;
-    label depth = 0;
-    bool first = true;      // word of an entry
-    for (const char c : withoutComments(file))
-    {
-        const bool ends = std::isspace(c) || std::strchr(";(){}", c);
-        if (!ends)
-        {
-            word += c;
-            continue;
-        }
-        if (!word.empty() && depth == 0 && first)
-        {
-            keys.push_back(word);
-            first = false;
-        }
-        word.clear();
-        depth += (c == '(' || c == '{') - (c == ')' || c == '}');
-        first = first || (depth == 0 && (c == ';' || c == '}'));
-    }
-    return keys;
-}
-
-
 //- The file that a dictionary was read from, for all processors
 fileName fileOf(const dictionary& wholeFile)
 {
@@ -229,17 +164,6 @@ std::string listed(const wordList& names)
         all += (all.empty() ? "" : ", ") + name;
     }
     return all;
-}
-
-
-wordList topLevelKeys(const fileName& file)
-{
-    DynamicList<word> keys;
-    for (const std::string& key : keysOf(file))
-    {
-        keys.append(word(key, false));
-    }
-    return wordList(std::move(keys));
 }
 
 
@@ -302,6 +226,12 @@ void requireOwnEntries(const dictionary& dict, const ownDictionary kind)
         return;
     }
     const wordList keys(topLevelKeys(fileOf(dict)));
+    for (const word& twice : repeatedEntries(fileOf(dict), true))
+    {
+        FatalIOErrorInFunction(dict)
+            << twice << " stands there twice, allowed: once"
+            << exit(FatalIOError);
+    }
     for (const entry& e : dict)
     {
         if (!isAllowed(e.keyword(), allowed) && has(keys, e.keyword())

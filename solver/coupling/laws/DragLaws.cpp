@@ -1,6 +1,5 @@
 #include "DragLaws.hpp"
-
-#include <map>
+#include "StockDrag.hpp"
 
 namespace elutria::laws
 {
@@ -14,13 +13,6 @@ DragLaw described()
     return {Law::name,      Law::title,      Law::maxRe,     Law::minAlpha,
             Law::knowsVoid, Law::knowsShape, Law::knowsMean, Law::CdRe};
 }
-
-/// OpenFOAM's particle forces that are one of these laws under another name
-const std::map<std::string, std::string> stockNames{
-    {"nonSphereDrag", HaiderLevenspiel::name},
-    {"WenYuDrag", WenYu::name},
-    {"ErgunWenYuDrag", Gidaspow::name},
-};
 
 } // namespace
 
@@ -37,8 +29,8 @@ const std::vector<DragLaw>& dragLaws()
 
 const DragLaw* findDragLaw(const std::string& name)
 {
-    const auto stock = stockNames.find(name);
-    const std::string& own = stock == stockNames.end() ? name : stock->second;
+    const StockDrag* stock = findStockDrag(name);
+    const std::string own = stock ? stock->law : name;
     for (const DragLaw& law : dragLaws())
         if (own == law.name || own == law.title) return &law;
     return nullptr;

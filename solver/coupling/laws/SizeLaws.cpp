@@ -84,6 +84,14 @@ void requirePositive(const char* name, double value)
     require(value > 0 && std::isfinite(value), name, value, "a number > 0");
 }
 
+
+void requireUpTo(const char* name, double value, double most)
+{
+    std::ostringstream allowed;
+    allowed << "a number > 0, up to " << most;
+    require(value > 0 && value <= most, name, value, allowed.str().c_str());
+}
+
 } // namespace
 
 
@@ -113,7 +121,8 @@ const SizeLaw* findSizeLaw(const std::string& name)
 }
 
 
-CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double min, double max)
+CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double min, double max,
+                          double most)
 {
     for (std::size_t i = 0; i < law.parameters.size(); ++i)
     {
@@ -122,8 +131,8 @@ CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double m
             require(parameters[i] > 1, "sigma", parameters[i],
                     "a geometric standard deviation > 1");
     }
-    requirePositive("min", min);
-    requirePositive("max", max);
+    requireUpTo("min", min, most);
+    requireUpTo("max", max, most);
 
     const double below = law.finer(min, parameters), share = law.finer(max, parameters) - below;
     if (max <= min || !(share > 0))
@@ -142,7 +151,7 @@ CumulativeCurve truncated(const SizeLaw& law, const double* parameters, double m
 
 
 CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer,
-                       const char* named)
+                       const char* named, double most)
 {
     const std::size_t n = diameters.size();
     bool ordered = n >= 2 && finer.size() == n && diameters.front() > 0 && finer.front() == 0
@@ -152,6 +161,7 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
     if (!ordered)
         throw std::invalid_argument(std::string(named) + ", cumulative: allowed: lists of the same"
                                     " length, increasing, " + named + " > 0, cumulative from 0 to 1");
+    requireUpTo(named, diameters.back(), most);
 
     // A fine grid between the sieves, so that the change of weighting within one sieve class is
     // followed
@@ -174,7 +184,7 @@ CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<d
 
 CumulativeCurve single(double diameter)
 {
-    requirePositive("value", diameter);
+    requireUpTo("value", diameter, largestSize);
     return {{diameter, diameter}, {0, 1}, {diameter, diameter}};
 }
 

@@ -36,19 +36,25 @@ struct SizeLaw
     double (*finer)(double diameter, const double* parameters);    // not yet truncated
 };
 
+/// A larger one is a mistake, m.
+constexpr double largestSize = 1;
+
 const std::vector<SizeLaw>& sizeLaws();
 
 /// Null: not known.
 const SizeLaw* findSizeLaw(const std::string& name);
 
 /// The part of a law between two sizes, on equal steps of log size. Throws std::invalid_argument
-/// that says what is allowed where a parameter is not, or nothing of the law lies between.
-CumulativeCurve truncated(const SizeLaw&, const double* parameters, double min, double max);
+/// that says what is allowed where a parameter is not, a size is above `most`, or nothing of the law
+/// lies between.
+CumulativeCurve truncated(const SizeLaw&, const double* parameters, double min, double max,
+                          double most = largestSize);
 
 /// Throws std::invalid_argument unless diameters and shares are lists of one length, rising, the
-/// shares from 0 to 1. `named`: what the message calls the diameters.
+/// shares from 0 to 1, and no diameter is above `most`. `named`: what the message calls the
+/// diameters.
 CumulativeCurve sieved(const std::vector<double>& diameters, const std::vector<double>& finer,
-                       const char* named = "diameters");
+                       const char* named = "diameters", double most = largestSize);
 
 /// A single size.
 CumulativeCurve single(double diameter);

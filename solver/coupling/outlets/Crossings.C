@@ -8,7 +8,7 @@
 #include "outlets/Crossings.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "laws/OutputFiles.hpp"
 #include "OSspecific.H"
 #include "Pstream.H"
@@ -48,10 +48,9 @@ scalarList Crossings::readHeights(const dictionary& feed)
         const dictionary& dict = feed.subDict("planes");
         requireOwnEntries(dict, ownDictionary::planes);
         const scalar first = dict.get<scalar>("first");
-        const scalar spacing = dict.get<scalar>("spacing");
+        const scalar spacing = readAllowed(dict, "spacing", above(0));
         const label number = dict.get<label>("number");
-        requirePositive("spacing", spacing, dict);
-        requirePositive("number", number, dict);
+        requireAllowed("number", number, above(0), dict);
         heights.resize(min(number, mostPlanes + 1));
         forAll(heights, i)
         {

@@ -8,11 +8,12 @@
 #include "gas/GasPhase.H"
 #include "gas/GasClock.H"
 #include "gas/scaledInflow.H"
+#include "gas/startFields.H"
 #include "adjustPhi.H"
 #include "extrapolatedCalculatedFvPatchFields.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "fixedValueFvPatchFields.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "processorPolyPatch.H"
 #include "wallPolyPatch.H"
 
@@ -324,8 +325,18 @@ GasPhase::GasPhase
     boundaryChange_(0),
     extraSteps_(0)
 {
-    requirePositive(rho_.name(), gMin(rho_.primitiveField()), transport_);
-    requirePositive("nu", gMin(transport_.nu()().primitiveField()), transport_);
+    requireAllowed
+    (
+        rho_.name(), gMin(rho_.primitiveField()), above(0, 1e6), transport_
+    );
+    requireAllowed
+    (
+        "nu", gMin(transport_.nu()().primitiveField()), above(0, 1e6), transport_
+    );
+    requireDimensions(U_, dimVelocity);
+    requireDimensions(p_, dimPressure/dimDensity);
+    requireDimensions(phi_, dimVolume/dimTime);
+    requireDimensions(alpha_, dimless);
     setRefCell(p_, pimple.dict(), pRefCell_, pRefValue_);
     mesh.setFluxRequired(p_.name());
     updateInlets();
@@ -338,6 +349,7 @@ GasPhase::GasPhase
 void GasPhase::startTurbulence()
 {
     requireSoundStart();
+    const StartFields fields(mesh_, name_);
     // From here on kept: the first step's change counts too
     alpha_.oldTime();
 
@@ -345,6 +357,7 @@ void GasPhase::startTurbulence()
     (
         alpha_, geometricOneField(), U_, alphaPhi_, phi_, transport_
     );
+    fields.requireSound();
     checkSources();
 }
 

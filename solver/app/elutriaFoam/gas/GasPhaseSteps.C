@@ -13,6 +13,7 @@ Description
 #include "gas/GasPhase.H"
 #include "gas/GasClock.H"
 #include "gas/GasState.H"
+#include "gas/startFields.H"
 #include "foam/digits.H"
 #include "foam/UnsoundStep.H"
 #include "foam/Warnings.H"
@@ -131,14 +132,8 @@ label GasPhase::unsoundCell() const
 
 void GasPhase::requireSoundStart() const
 {
-    const scalar speed = Foam::sqrt(gMax(magSqr(U_.primitiveField())()));
-    if (!(speed < largestSpeed))
-    {
-        FatalErrorInFunction
-            << mesh_.time().timeName() << '/' << U_.name()
-            << ": internalField has " << speed << " m/s, allowed: below "
-            << largestSpeed << exit(FatalError);
-    }
+    requireWithin(U_, below(largestSpeed));
+    requireWithin(p_, below(GREAT));
 }
 
 

@@ -8,6 +8,7 @@
 #include "run/caseFiles.H"
 #include "foam/digits.H"
 #include "foam/honoured.H"
+#include "foam/fileEntries.H"
 #include "IOdictionary.H"
 #include "OSspecific.H"
 #include "Time.H"
@@ -103,6 +104,25 @@ void dropNamed(DynamicList<word>& files, const fileName& root, string text)
             }
         }
         files.transfer(still);
+    }
+}
+
+
+//- Entries of a file that it has again further down
+void addOverwritten
+(
+    std::vector<caseFiles::Unused>& found,
+    const fileName& root,
+    const word& file
+)
+{
+    for (const word& twice : repeatedEntries(root/file, false))
+    {
+        found.push_back
+        ({
+            word(file + ": " + twice, false),
+            "the file has it again further down, and the last rules"
+        });
     }
 }
 
@@ -208,7 +228,7 @@ void caseFiles::refuseHugeFields(const fvMesh& mesh)
 }
 
 
-wordList caseFiles::unused
+std::vector<caseFiles::Unused> caseFiles::unused
 (
     const fvMesh& mesh,
     const word& cloud,
@@ -216,6 +236,7 @@ wordList caseFiles::unused
 )
 {
     const fileName root(mesh.time().globalPath());
+    std::vector<Unused> found;
     wordRes known;
     string text;
     for (const honoured::Item& item : honoured::items())
@@ -224,7 +245,11 @@ wordList caseFiles::unused
         {
             const word name(honoured::named(item, cloud, phase), false);
             known.append(wordRe(name, wordRe::REGEX));
-            text += item.is == honoured::use::works ? textOf(root/name) : "";
+            if (item.is == honoured::use::works && isFile(root/name, false))
+            {
+                text += textOf(root/name);
+                addOverwritten(found, root, name);
+            }
         }
     }
     DynamicList<word> left;
@@ -256,7 +281,11 @@ wordList caseFiles::unused
             left.append(word(mesh.time().timeName() + '/' + field, false));
         }
     }
-    return wordList(std::move(left));
+    for (const word& file : left)
+    {
+        found.push_back({file, "elutriaFoam reads no such file"});
+    }
+    return found;
 }
 
 

@@ -7,36 +7,179 @@
 
 #include "run/controls.H"
 #include "foam/foamVersion.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
+#include "IFstream.H"
+#include "OSspecific.H"
+#include "Time.H"
+
+#include <fstream>
+#include <regex>
+#include <vector>
 
 namespace Foam
 {
 
-void requireSoundControl(const dictionary& controlDict)
+namespace
 {
-    for (const word entry : {"maxCo", "maxDeltaT", "writeInterval", "writePrecision"})
+
+//- Entries of a file, by a regular expression for OUTER/INNER/NAME
+struct Place
+{
+    const char* file;
+    const char* entries;
+};
+
+struct Number : Place { Range allowed; };
+struct Word : Place { wordList allowed; };
+
+
+//- What a single number may be
+const std::vector<Number> numbers =
+{
+    {"controlDict", "deltaT", above(0, 1e6)},
+    {"controlDict", "maxCo|maxDeltaT|writeInterval|writeFrequency", above(0)},
+    {"controlDict", "endTime|purgeWrite", atLeast(0)},
+    {"controlDict", "writePrecision|timePrecision", atLeast(1, 100)},
+    {"fvSolution", "PIMPLE/(nOuterCorrectors|nCorrectors)", atLeast(1, 1000)},
+    {"fvSolution", "PIMPLE/(nNonOrthogonalCorrectors)", atLeast(0, 1000)},
+    {"fvSolution", "PIMPLE/pRefCell", atLeast(0)},
+    {"fvSolution", "PIMPLE/residualControl/.*", atLeast(0)},
+    {"fvSolution", "solvers/.*/(tolerance|relTol)", below(1)},
+    {"fvSolution", "solvers/.*/(nSweeps|maxIter)", atLeast(1)},
+    {"fvSolution", "solvers/.*/(minIter|n[A-Z].*)", atLeast(0)},
+    {"fvSolution", "relaxationFactors/.*", above(0, 1)},
+    {"blockMeshDict", "scale|convertToMeters", above(0)},
+    {"cloudProperties", "constantProperties/rho0", above(0, 1e6)},
+    {"cloudProperties", "constantProperties/youngsModulus", above(0, 1e24)},
+    {"cloudProperties", "constantProperties/poissonsRatio", above(-1, 0.5)},
+    {"cloudProperties", "constantProperties/(rhoMin|minParcelMass)", atLeast(0)},
+    {"0", "boundaryField/.*/mixingLength", above(0)}
+};
+
+//- What a single word may be
+const std::vector<Word> words =
+{
+    {"controlDict", "writeFormat", {"ascii", "binary"}},
+    {"controlDict", "timeFormat", {"general", "fixed", "scientific"}},
     {
-        if (controlDict.found(entry))
+        "controlDict", "writeCompression",
+        {"on", "off", "yes", "no", "true", "false", "compressed", "uncompressed"}
+    }
+};
+
+
+//- The first rule that speaks of an entry; null: none
+template<class Rule>
+const Rule* ruleOf
+(
+    const std::vector<Rule>& rules,
+    const word& file,
+    const std::string& path
+)
+{
+    for (const Rule& rule : rules)
+    {
+        if (file == rule.file && std::regex_match(path, std::regex(rule.entries)))
         {
-            requirePositive(entry, controlDict.get<scalar>(entry), controlDict);
+            return &rule;
         }
     }
+    return nullptr;
+}
 
-    scalar end = 0;
-    controlDict.readIfPresent("endTime", end);
-    if (end < 0)
+
+void require
+(
+    const word& file,
+    const std::string& path,
+    const dictionary& dict,
+    const word& name,
+    const token& value
+)
+{
+    const Number* const number =
+        value.isNumber() ? ruleOf(numbers, file, path) : nullptr;
+    if (number)
     {
-        FatalIOErrorInFunction(controlDict)
-            << "endTime is " << end << ", allowed: 0 or more"
-            << exit(FatalIOError);
+        requireAllowed(name, value.number(), number->allowed, dict);
     }
-
-    const word format(controlDict.getOrDefault<word>("writeFormat", "ascii"));
-    if (format != "ascii" && format != "binary")
+    const Word* const said =
+        value.isWord() ? ruleOf(words, file, path) : nullptr;
+    if (said)
     {
-        FatalIOErrorInFunction(controlDict)
-            << "writeFormat is " << format << ", allowed: ascii, binary"
-            << exit(FatalIOError);
+        requireAllowed(name, value.wordToken(), said->allowed, dict);
+    }
+}
+
+
+void requireAll
+(
+    const word& file,
+    const dictionary& dict,
+    const std::string& around
+)
+{
+    for (const entry& e : dict)
+    {
+        if (e.isDict())
+        {
+            requireAll(file, e.dict(), around + e.keyword() + '/');
+        }
+        else if (e.stream().size() == 1)
+        {
+            require
+            (
+                file, around + e.keyword(), dict, e.keyword(), e.stream().first()
+            );
+        }
+    }
+}
+
+
+} // End anonymous namespace
+
+
+// * * * * * * * * * * * * * * * Global Functions  * * * * * * * * * * * * * //
+
+void requireSoundControl(const word& file, const dictionary& dict)
+{
+    requireAll(file, dict, "");
+}
+
+
+void requireSoundControlDict(const Time& runTime)
+{
+    const dictionary& dict = runTime.controlDict();
+    requireSoundControl("controlDict", dict);
+
+    scalar start = 0, end = 0;
+    if
+    (
+        dict.getOrDefault<word>("startFrom", "latestTime") == "startTime"
+     && dict.readIfPresent("startTime", start)
+     && dict.readIfPresent("endTime", end)
+    )
+    {
+        requireAllowed("endTime", end, atLeast(start), dict);
+    }
+}
+
+
+void requireSoundBlocks(const fileName& root)
+{
+    for (const char* const folder : {"system", "constant/polyMesh"})
+    {
+        const fileName file(root/folder/"blockMeshDict");
+        std::ifstream stream(file);
+        std::ostringstream text;
+        text << stream.rdbuf();
+
+        // What it would execute is blockMesh's alone
+        if (stream && text.str().find("#c") == std::string::npos)
+        {
+            IFstream is(file);
+            requireSoundControl("blockMeshDict", dictionary(is));
+        }
     }
 }
 

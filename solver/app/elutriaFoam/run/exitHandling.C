@@ -41,11 +41,17 @@ std::string onOneLine(const std::string& text)
 }
 
 
+void say(const std::string& reason)
+{
+    std::cout<< std::flush;
+    std::cout<< "\nelutria: failed: " << onOneLine(reason) << std::endl;
+}
+
+
 [[noreturn]] void end(const std::string& reason, const int exitCode)
 {
     // Of several processors the first to come ends all
-    std::cout<< std::flush;
-    std::cout<< "\nelutria: failed: " << onOneLine(reason) << std::endl;
+    say(reason);
     UPstream::exit(exitCode);
     std::_Exit(exitCode);
 }
@@ -90,6 +96,19 @@ void handleFaults()
 }
 
 } // End anonymous namespace
+
+
+void exitHandling::refuse(const std::string& reason)
+{
+    end(reason, caseAtFault);
+}
+
+
+void exitHandling::refuseAtExit(const std::string& reason)
+{
+    say(reason);
+    std::_Exit(caseAtFault);
+}
 
 
 void exitHandling::caseIsRead()

@@ -9,10 +9,12 @@
 #include "IFstream.H"
 #include "OSspecific.H"
 #include "entry.H"
+#include "fvMesh.H"
 #include "faceList.H"
 #include "labelList.H"
 #include "pointField.H"
 #include "polyMesh.H"
+#include "volMesh.H"
 
 #include <algorithm>
 #include <vector>
@@ -214,6 +216,19 @@ void requireSoundMesh(const Time& runTime)
     if (boundary.readable())
     {
         boundary.read<PtrList<entry>>();
+    }
+}
+
+
+void requireVolumes(const fvMesh& mesh)
+{
+    const scalar least = gMin(mesh.V().field());
+    if (!(least > 0))
+    {
+        FatalErrorInFunction
+            << (mesh.facesInstance()/polyMesh::meshSubDir).c_str()
+            << ": a cell has " << least
+            << " m3; allowed: above 0. checkMesh tells where" << exit(FatalError);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "schedule/CaseDrag.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
+#include "laws/StockDrag.hpp"
 #include "StringStream.H"
 
 namespace Foam
@@ -18,6 +19,17 @@ namespace
 
 //- Sizes beyond which a cut is not looked for [m]
 constexpr scalar smallestCut = 1e-7, largestCut = 0.1;
+
+
+//- Has a force one sphericity for all particles?
+bool hasOwnSphericity(const word& force)
+{
+    const elutria::laws::StockDrag* const stock =
+        elutria::laws::findStockDrag(force);
+    return
+        stock
+     && stock->takes == elutria::laws::StockDrag::Shape::ownSphericity;
+}
 
 
 //- Laws of ours that take a shape, for a message
@@ -57,7 +69,7 @@ CaseDrag::CaseDrag(const dictionary& cloudProperties)
         if (law && !law_)
         {
             law_ = law;
-            if (force.isDict() && force.keyword() == "nonSphereDrag")
+            if (force.isDict() && hasOwnSphericity(force.keyword()))
             {
                 sphericity_ = force.dict().get<scalar>("phi");
             }
@@ -88,12 +100,15 @@ bool CaseDrag::knowsShape(const Feed::Material& material) const
     {
         const elutria::laws::DragLaw* const law =
             elutria::laws::findDragLaw(force);
+        const elutria::laws::StockDrag* const stock =
+            elutria::laws::findStockDrag(force);
         const bool measured = material.measured
          && force == elutria::laws::MeasuredVelocity::name;
-        const bool other = force == "nonSphereDrag"
+        const bool other = hasOwnSphericity(force)
          && mag(sphericity_ - material.form.sphericity) > SMALL;
         const bool ofSpheres =
-            law ? !law->knowsShape : force == "PlessisMasliyahDrag";
+            stock ? stock->takes == elutria::laws::StockDrag::Shape::sphere
+          : law && !law->knowsShape;
 
         if (measured || !(other || ofSpheres))
         {

@@ -11,7 +11,7 @@
 #include "globalMeshData.H"
 #include "IOField.H"
 #include "foam/ownEntries.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 
 namespace Foam
 {
@@ -44,7 +44,7 @@ scalar readPositive
 )
 {
     const scalar value = dict.getOrDefault<scalar>(entry, fallback);
-    requirePositive(entry, value, dict);
+    requireAllowed(entry, value, above(0), dict);
     return value;
 }
 
@@ -107,11 +107,9 @@ ScenePlan::choice ScenePlan::readChoice
     {
         return choice::on;
     }
-    if (value != "off" && value != "no" && value != "false")
+    if (value != "no" && value != "false")
     {
-        FatalIOErrorInFunction(dict)
-            << entry << " is " << value << ", allowed: auto, on, off"
-            << exit(FatalIOError);
+        requireAllowed(entry, value, wordList({"auto", "on", "off"}), dict);
     }
     return choice::off;
 }
@@ -256,13 +254,8 @@ ScenePlan::ScenePlan(const GasPhase& gas, const Time& runTime)
     courant_ = readPositive(dict, "gasCourant", 5);
     collisionsPerStep_ = readPositive(dict, "collisionsPerStep", 0.05);
     retakes_ = dict.getOrDefault<label>("retakes", 5);
+    requireAllowed("retakes", retakes_, atLeast(0), dict);
     readState();
-    if (retakes_ < 0)
-    {
-        FatalIOErrorInFunction(dict)
-            << "retakes is " << retakes_ << ", allowed: >= 0"
-            << exit(FatalIOError);
-    }
 }
 
 

@@ -12,6 +12,7 @@ Description
 #include "schedule/ScenePlan.H"
 #include "cloud/stockWords.H"
 #include "contacts/ContactEstimate.H"
+#include "contacts/wallsCrossed.H"
 #include "foam/Json.H"
 #include "foam/ownEntries.H"
 #include "laws/OutputFiles.hpp"
@@ -294,7 +295,7 @@ void ScenePlan::announce
 (
     const ElutriaCloud& cloud,
     const Time& runTime,
-    const wordList& unused
+    const std::vector<caseFiles::Unused>& unused
 ) const
 {
     PlanTable table("Scene plan (system/scenePlan)");
@@ -305,6 +306,10 @@ void ScenePlan::announce
     announceGas(table, cloud);
     if (cloud.contacts())
     {
+        for (const RunWarning& warning : wallsCrossed(gas_.U()))
+        {
+            table.warn(warning);
+        }
         const bool friction = hasFriction(cloud.engine());
         table.row
         (
@@ -325,9 +330,9 @@ void ScenePlan::announce
             "solution: " + listed(idle) + ": ours replaces it"
         );
     }
-    for (const word& file : unused)
+    for (const caseFiles::Unused& one : unused)
     {
-        table.row("not used", file, "elutriaFoam reads no such file");
+        table.row("not used", one.what, one.why);
     }
     table.end();
     writePlan(table, cloud, runTime);

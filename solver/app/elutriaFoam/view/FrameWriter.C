@@ -8,7 +8,7 @@
 #include "view/FrameWriter.H"
 #include "view/boundaryFile.H"
 #include "foam/foamVersion.H"
-#include "foam/requirePositive.H"
+#include "foam/requireAllowed.H"
 #include "foam/Json.H"
 #include "profiling.H"
 
@@ -57,9 +57,9 @@ std::string vectorAsJson(const vector& v)
 }
 
 
-IOdictionary readSettings(const Time& time)
+dictionary readSettings(const Time& time)
 {
-    return IOdictionary
+    const IOdictionary settings
     (
         IOobject
         (
@@ -67,13 +67,15 @@ IOdictionary readSettings(const Time& time)
             IOobject::NO_WRITE, false
         )
     );
+    requireEntries(settings, wordList({"record", "perSecond", "limit"}));
+    return settings;
 }
 
 
 scalar readSetting(const dictionary& dict, const word& entry, scalar fallback)
 {
     const scalar value = dict.getOrDefault<scalar>(entry, fallback);
-    requirePositive(entry, value, dict);
+    requireAllowed(entry, value, above(0), dict);
     return value;
 }
 
@@ -275,7 +277,7 @@ FrameWriter::FrameWriter
     gasShown_(1),
     loadingShown_(1)
 {
-    const IOdictionary settings(readSettings(time));
+    const dictionary settings(readSettings(time));
     interval_ = 1/readSetting(settings, "perSecond", 30);
     const scalar limit = 1e6*readSetting(settings, "limit", 500);
     const fileName folder(time.globalPath()/"postProcessing"/"frames");

@@ -276,6 +276,8 @@ TEST_CASE("OpenFOAM's names of the same laws are known, and others are not")
     CHECK(findDragLaw("nonSphereDrag") == findDragLaw("HaiderLevenspielDrag"));
     CHECK(findDragLaw("ErgunWenYuDrag") == findDragLaw("GidaspowDrag"));
     CHECK(findDragLaw("WenYuDrag") == findDragLaw("WenYuVoidDrag"));
+    CHECK(findDragLaw("sphereDrag")->name == std::string("sphereDrag"));
+    CHECK(findDragLaw("PlessisMasliyahDrag") == nullptr);
     CHECK(findDragLaw("noDrag") == nullptr);
 }
 
