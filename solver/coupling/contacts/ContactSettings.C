@@ -307,7 +307,10 @@ ContactSettings::ContactSettings
     try
     {
         materials.check();
-        walls = collectWalls(U, particleNames.size(), settings.box, false);
+        walls = collectWalls
+        (
+            U, particleNames.size(), settings.box, false, wallFaces
+        );
     }
     catch (const std::invalid_argument& error)
     {
@@ -326,7 +329,7 @@ void ContactSettings::addSymmetryWalls
 )
 {
     addSymmetryMaterial(materials, nParticle, U.mesh());
-    walls = collectWalls(U, nParticle, settings.box, true);
+    walls = collectWalls(U, nParticle, settings.box, true, wallFaces);
 }
 
 
@@ -399,7 +402,8 @@ elutria::dem::Walls collectWalls
     const volVectorField& U,
     const uint32_t firstMaterial,
     const elutria::dem::PeriodicBox& box,
-    const bool symmetryPlanes
+    const bool symmetryPlanes,
+    std::vector<WallFace>& ofTriangles
 )
 {
     const polyMesh& mesh = U.mesh();
@@ -410,11 +414,13 @@ elutria::dem::Walls collectWalls
     List<labelList> wallOf(Pstream::nProcs());
     List<labelList> faceOf(Pstream::nProcs());
     List<labelList> placeOf(Pstream::nProcs());
+    List<labelList> meshFaceOf(Pstream::nProcs());
     labelList faces(Pstream::nProcs(), 0);
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
     DynamicList<label> ownFace;
     DynamicList<label> ownPlace;
+    DynamicList<label> ownMeshFace;
     const labelList wholeFaces(facesOfWholeMesh(mesh));
     label& nFaces = faces[Pstream::myProcNo()];
 
@@ -442,7 +448,8 @@ elutria::dem::Walls collectWalls
                 }
                 ownWall.append(wall);
                 ownFace.append(facei);
-                ownPlace.append(wholeFaces[patch.start() + patchFacei]);
+                ownMeshFace.append(patch.start() + patchFacei);
+                ownPlace.append(wholeFaces[ownMeshFace.last()]);
             }
         }
     }
@@ -451,10 +458,12 @@ elutria::dem::Walls collectWalls
     wallOf[me] = ownWall;
     faceOf[me] = ownFace;
     placeOf[me] = ownPlace;
+    meshFaceOf[me] = ownMeshFace;
     everyones(corners);
     everyones(wallOf);
     everyones(faceOf);
     everyones(placeOf);
+    everyones(meshFaceOf);
     everyones(faces);
 
     elutria::dem::WallGeometry geometry;
@@ -481,6 +490,8 @@ elutria::dem::Walls collectWalls
         [](const Triangle& a, const Triangle& b) { return a.place < b.place; }
     );
 
+    ofTriangles.clear();
+
     // Triangles share points, across processors too
     HashTable<uint32_t, point, Hash<point>> known;
     for (const Triangle& t : triangles)
@@ -497,6 +508,7 @@ elutria::dem::Walls collectWalls
             triangle[k] = known[p];
         }
         geometry.triangles.push_back(triangle);
+        ofTriangles.push_back({t.proci, meshFaceOf[t.proci][t.i]});
         geometry.material.push_back(firstMaterial + wallOf[t.proci][t.i]);
         if (moves)
         {
