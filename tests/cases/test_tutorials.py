@@ -8,10 +8,8 @@ differ:
 - their places: stock moves them twice in the step in which they enter, so that more of them are
   far from the inlet;
 - the gas' pressure where cells are as small as two particles: stock has a particle's volume in the
-  cell of its centre, so that neighbours in an even bed hold 0.09 to 0.52 of solids, through which
-  gas passes more easily than through 0.30 everywhere. In cells that hold the same number of the
-  bed's lattice both have 0.303 everywhere, and the same pressure
-  (`test_goldschmidts_pressure_is_of_the_void_fraction`).
+  cell of its centre, so that neighbours in an even bed hold 0.26 and 0.52 of solids, through which
+  gas passes more easily than through 0.31 everywhere.
 """
 
 from __future__ import annotations
@@ -82,16 +80,6 @@ def test_beside_stock(
     measured("solids in the gas", abs(ours.solids / theirs.solids - 1), 0.02 if parcels else 1e-6)
     difference = abs(getattr(ours, which) / getattr(theirs, which) - 1)
     measured("pressure", difference, off)
-
-
-@pytest.mark.slow
-def test_goldschmidts_pressure_is_of_the_void_fraction(tmp_path: Path, measured: Any) -> None:
-    """In cells of five by five by five places of the bed's lattice each particle's volume is in the
-    cell of its centre for us too, and nothing else differs: then so does the pressure not."""
-    even = Tutorial("DPMFoam/Goldschmidt", cells={"(2 30 90)": "(1 10 30)"})
-    theirs, ours = both(even, tmp_path)
-    assert np.allclose(ours.slabs, theirs.slabs, rtol=1e-6)
-    measured("pressure", abs(ours.fall / theirs.fall - 1), 0.02)
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from elutria_validation.harness.cases import CLOUD, CONTROL, MODELS, change, read_gas, solve, times
 from elutria_validation.harness.programs import run_program
@@ -22,7 +21,6 @@ ROOTS = (
     Path("/usr/share/doc/openfoam-examples/examples"),
 )
 STEPS = 50
-SLABS = 10
 
 
 def tutorials() -> Path | None:
@@ -90,7 +88,7 @@ def made(tutorial: Tutorial, root: Path, folder: Path) -> Path:
 class Outcome:
     """Of a run: parcels and mass (kg) inside, parcels and mass that came in, parcels that left,
     mean pressure over density (m2/s2) and its fall from the first to the last cells, mean share of
-    solids in the cells, and in each of SLABS parts of the mesh, in the order of the cells."""
+    solids in the cells."""
 
     parcels: int
     mass: float
@@ -100,11 +98,6 @@ class Outcome:
     pressure: float
     fall: float
     solids: float
-    slabs: NDArray[np.float64]
-
-    def spread_beside(self, other: Outcome) -> float:
-        """Share of the solids that are in another part of the mesh than in `other`."""
-        return float(np.abs(self.slabs - other.slabs).sum() / 2 / other.slabs.sum())
 
 
 def _last(text: str, name: str) -> float:
@@ -126,7 +119,6 @@ def outcome(case: Path, solver: str) -> Outcome:
         pressure=float(np.mean(p)),
         fall=float(np.mean(p[:layer]) - np.mean(p[-layer:])),
         solids=float(np.mean(1 - alpha)),
-        slabs=np.array([part.sum() for part in np.array_split(1 - alpha, SLABS)]),
     )
 
 

@@ -328,17 +328,15 @@ TEST_CASE("ranks: more of them than particles")
 
 TEST_CASE("ranks: hits of walls that answer are told where the particle is")
 {
-    for (const double young : {1e15, 1e6})
-        for (const WallAnswer answer : {WallAnswer::told, WallAnswer::takes})
-        {
-            Scene scene = box(young);
-            scene.answers = {answer};
-            const Outcome one = run(scene, 1);
-            CHECK(one.hits.size() > 100);
-            for (const int ranks : {2, 3, 8}) checkSame(one, run(scene, ranks));
-            scene.settings.treatment = ContactTreatment::soft;
-            CHECK(run(scene, 3).hits.size() == run(scene, 1).hits.size());
-        }
+    for (const WallAnswer answer : {WallAnswer::told, WallAnswer::takes})
+    {
+        Scene scene = box(1e15);
+        scene.answers = {answer};
+        scene.steps = 3;
+        const Outcome one = run(scene, 1);
+        CHECK(one.hits.size() > 50);
+        checkSame(one, run(scene, 3));
+    }
 }
 
 TEST_CASE("ranks: what one rank refuses is refused by all")
