@@ -497,8 +497,11 @@ def test_lost_parcels_are_an_error_that_names_the_patch(scene: Path, tmp_path: P
     """Walls that let particles out: nothing tells it before."""
     case = from_the_start(scene, tmp_path / "case")
     change(case, {f"{MODELS}/collisionModel": "none",
-                  f"{MODELS}/standardWallInteractionCoeffs": {"type": "escape"},
-                  f"{MODELS}/patchInteractionModel": "standardWallInteraction",
+                  f"{MODELS}/multiInteractionCoeffs": {
+                      "oneInteractionOnly": True,
+                      "one": {"patchInteractionModel": "standardWallInteraction",
+                              "standardWallInteractionCoeffs": {"type": "escape"}}},
+                  f"{MODELS}/patchInteractionModel": "multiInteraction",
                   f"{malformed.FEED}:velocity": [30, 0, 0], f"{malformed.FEED}:particles": 20,
                   f"{malformed.FEED}:massFlowRate": 1, f"{CONTROL}:endTime": 0.02,
                   f"{CONTROL}:writeInterval": 0.02})  # fmt: skip

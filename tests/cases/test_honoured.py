@@ -6,7 +6,6 @@ import json
 import re
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -15,11 +14,13 @@ from elutria_validation.harness.cases import (
     CLOUD,
     CONTROL,
     MODELS,
+    add_feed,
     add_zone,
     change,
     read_gas,
     solve,
     times,
+    uniform,
 )
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -118,35 +119,37 @@ def test_files_that_nothing_reads_are_named(tmp_path: Path) -> None:
     assert "system/scenePlann" in output
 
 
-WALLS: list[tuple[dict[str, Any], str]] = [
-    ({"patchInteractionModel": "standardWallInteraction",
-      "standardWallInteractionCoeffs": {"type": "stick"}}, "stick"),
-    ({"patchInteractionModel": "localInteraction",
-      "localInteractionCoeffs": {
-          "patches": [('".*"', {"type": "escape"})]}}, "escape"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("models", "named"), WALLS)
-def test_walls_that_do_not_turn_particles_back(
-    tmp_path: Path, models: dict[str, Any], named: str
-) -> None:
-    """They are stock's without contacts; with them they are refused, not ignored."""
-    settings = {f"{MODELS}/{name}": value for name, value in models.items()}
-    case = BoxCase(contacts=Contacts(), end=1e-3, **cube(0.1)).make(tmp_path / "with")
-    change(case, settings)
+@pytest.mark.parametrize("kind", ["stick", "escape"])
+def test_planes_of_symmetry_that_do_not_turn_particles_back(tmp_path: Path, kind: str) -> None:
+    """Stock's do so without contacts; with them it is refused, not ignored."""
+    case = BoxCase(contacts=Contacts(), sides="symmetry", end=1e-3, **cube(0.1)).make(
+        tmp_path / "case"
+    )
+    change(case, {f"{MODELS}/patchInteractionModel": "localInteraction",
+                  f"{MODELS}/localInteractionCoeffs": {
+                      "patches": [('".*"', {"type": kind})]}})  # fmt: skip
     said = refused(case)
-    assert named in said
+    assert kind in said
+    assert "west" in said
     assert "cellList" in said
     change(case, {f"{MODELS}/collisionModel": "none"})
     solve(case)
 
 
 def test_hits_that_nobody_would_record(tmp_path: Path) -> None:
-    case = BoxCase(contacts=Contacts(), end=1e-3).make(tmp_path / "case")
+    case = BoxCase(contacts=Contacts(), sides="symmetry", end=1e-3).make(tmp_path / "case")
     erosion = {"type": "particleErosion", "p": 1, "psi": 2, "patches": ["west"]}
     change(case, {f"{CLOUD}:cloudFunctions/wear": erosion})
     assert "particleErosion" in refused(case)
+
+
+def test_walls_that_let_particles_out_belong_to_a_product(tmp_path: Path) -> None:
+    case = BoxCase(end=1e-3).make(tmp_path / "case")
+    add_feed(case, {"loading": 0.1, "materials": uniform(2650, 1e-3, 1.1e-3)})
+    change(case, {f"{MODELS}/standardWallInteractionCoeffs/type": "escape"})
+    said = refused(case)
+    assert "outlets" in said
+    assert "belongs to no product" in said
 
 
 def test_what_has_no_effect_is_named(tmp_path: Path) -> None:

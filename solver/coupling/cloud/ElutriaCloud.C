@@ -147,10 +147,11 @@ ElutriaCloud::ElutriaCloud
     entry_(*this, solids_, cells_, feed_),
     sampling_(*this, solids_, kernel_, feed_, contacts_),
     coupling_(*this, kernel_, stockMotion_),
+    wallHits_(*this, contacts_),
     tracking_
     (
         *this, coupling_, solids_, cells_, contacts_, entry_.recorder(),
-        sampling_.hasInertialDispersion()
+        sampling_.hasInertialDispersion(), wallHits_.sticks()
     ),
     retakes_(0)
 {
@@ -199,6 +200,7 @@ void ElutriaCloud::motion(TrackCloudType& cloud, StockTracking& td)
     sampling_.sample(parcels_, td, dt);
     advanceParticles(dt);
     parcels_.flyLate(dt);
+    wallHits_.tell(report_.hits, parcels_, td, dt);
     tracking_.track(parcels_, td, dt);
 }
 

@@ -252,9 +252,12 @@ FeedEntry::Count FeedEntry::count() const
     Count count;
     for (const StockParcel& p : cloud_)
     {
-        count.inside += p.origProc() == Feed::feedOrigin || !feed_;
+        const bool counts = p.origProc() == Feed::feedOrigin || !feed_;
+        count.inside += counts;
+        count.stuck += counts && !p.active();
     }
     reduce(count.inside, sumOp<label>());
+    reduce(count.stuck, sumOp<label>());
 
     if (feed_)
     {
@@ -272,7 +275,7 @@ bool FeedEntry::drained(const Count& count) const
     return
         feed_
      && time > feed_->end()
-     && (count.inside == 0 || time > feed_->drained());
+     && (count.inside == count.stuck || time > feed_->drained());
 }
 
 

@@ -123,6 +123,11 @@ void GasSampling::sample
     const scalar whole
 )
 {
+    if (!p.active())
+    {
+        rest(p, step, i);
+        return;
+    }
     const auto& forces = cloud_.forces();
     const scalar mass = p.mass();
 
@@ -179,6 +184,35 @@ void GasSampling::sample
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
     all.acceleration.set(i, toEngine(acceleration));
+}
+
+
+void GasSampling::rest(StockParcel& p, StepParcels& step, const size_t i)
+{
+    p.U() = Zero;
+    p.angularMomentum() = Zero;
+    step.share[i] = 0;
+    step.start(i, p);
+    step.effectiveMass[i] = p.mass();
+    step.cells[i] = p.cell();
+    step.solids[i] = p.nParticle()*p.volume();
+
+    elutria::dem::Particles& all = step.particles;
+    all.id[i] = parcelName(p);
+    all.material[i] = contacts_ ? contacts_->material(p) : 0;
+    all.radius[i] = 0.5*p.d();
+    all.mass[i] = p.mass();
+    all.statisticalWeight[i] = p.nParticle();
+    all.dragRate[i] = 0;
+    all.position.set(i, toEngine(step.starts[i]));
+    for
+    (
+        auto* vectors :
+        {&all.velocity, &all.spin, &all.gasVelocity, &all.acceleration}
+    )
+    {
+        vectors->set(i, {});
+    }
 }
 
 

@@ -66,6 +66,7 @@ ParcelTracking::Flight ParcelTracking::flight
     f.dragRate = all.dragRate[i];
     f.target = toFoam(all.position[i]);
     f.age = p.age() - p.stepFraction()*dt;
+    f.takenAt = step.takenAt.size() ? step.takenAt[i] : -1;
 
     // What neither drag nor other forces did, contacts did
     turnFluctuation
@@ -86,7 +87,7 @@ ParcelTracking::Flight ParcelTracking::flight
 
     // As if it had come all the step's way
     const scalar share = step.share[i];
-    if (share < 1)
+    if (share > 0 && share < 1)
     {
         f.displacement /= share;
         f.start = f.end - (f.end - f.start)/share;
@@ -156,6 +157,22 @@ void ParcelTracking::deposit(const StockParcel& p, const Flight& flight)
 }
 
 
+void ParcelTracking::leave
+(
+    const StockParcel& p,
+    const Flight& flight,
+    const label patchi
+)
+{
+    if (p.origProc() == Feed::feedOrigin && patchi >= 0)
+    {
+        ++goneThrough_[patchi];
+    }
+    deposit(p, flight);
+    solids_.arrive(p.cell(), p.position(), -p.nParticle()*p.volume());
+}
+
+
 void ParcelTracking::slide
 (
     StockParcel& p,
@@ -186,6 +203,14 @@ void ParcelTracking::slide
 }
 
 
+bool ParcelTracking::atEnginesWall(const StockParcel& p) const
+{
+    return
+        contacts_ && p.onBoundaryFace()
+     && isContactPatch(mesh().boundaryMesh()[p.patch()]);
+}
+
+
 void ParcelTracking::meetPatch
 (
     StockParcel& p,
@@ -196,9 +221,8 @@ void ParcelTracking::meetPatch
 {
     const scalar done = p.stepFraction();
     const vector arrival(flight.start + done*(flight.end - flight.start));
-    const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
 
-    if (contacts_ && isContactPatch(patch))
+    if (atEnginesWall(p))
     {
         slide(p, flight, td, dt);
         return;
@@ -230,6 +254,13 @@ void ParcelTracking::trackParcel
 {
     td.switchProcessor = false;
     td.keepParticle = true;
+    if (!p.active())
+    {
+        // As in stock, a parcel that a wall holds grows older there
+        p.age() += dt;
+        callPostMove(cloud_.functions(), p, dt, p.position(), td);
+        return;
+    }
 
     // A parcel that slides along walls without end is left where it is
     label attempts = 0;
@@ -264,7 +295,10 @@ void ParcelTracking::trackParcel
         {
             continue;
         }
-        callPostFace(cloud_.functions(), p, td);
+        if (!atEnginesWall(p))
+        {
+            callPostFace(cloud_.functions(), p, td);
+        }
 
         if (p.onBoundaryFace())
         {
@@ -284,7 +318,7 @@ void ParcelTracking::trackParcel
         }
     }
 
-    if (td.keepParticle && !td.switchProcessor)
+    if (td.keepParticle && !td.switchProcessor && p.active())
     {
         if (told && p.position() != known)
         {
@@ -305,7 +339,8 @@ ParcelTracking::ParcelTracking
     const PlaneCells& cells,
     const CloudContacts* contacts,
     FeedEntry::Recorder* recorder,
-    const bool inertialDispersion
+    const bool inertialDispersion,
+    const boolList& sticks
 )
 :
     cloud_(cloud),
@@ -322,6 +357,7 @@ ParcelTracking::ParcelTracking
     cells_(cells),
     onlyCells_(onlyCellsMatter()),
     inertialDispersion_(inertialDispersion),
+    sticks_(sticks),
     goneThrough_(cloud.mesh().boundaryMesh().size(), Zero)
 {}
 
@@ -405,6 +441,16 @@ void ParcelTracking::track
 
     const auto arrive = [&](StockParcel& p, const Flight& f, const bool tracked)
     {
+        if (f.takenAt >= 0 && !sticks_[label(f.takenAt)])
+        {
+            leave(p, f, f.takenAt);
+            delete moving.remove(&p);
+            return;
+        }
+        if (f.takenAt >= 0)
+        {
+            p.active(false);
+        }
         deposit(p, f);
         arrived.push_back({moving.remove(&p), f.target, f.dragRate, tracked});
     };
@@ -430,15 +476,7 @@ void ParcelTracking::track
 
             if (!td.keepParticle)
             {
-                if (p.origProc() == Feed::feedOrigin && p.onBoundaryFace())
-                {
-                    ++goneThrough_[p.patch()];
-                }
-                deposit(p, flight);
-                solids_.arrive
-                (
-                    p.cell(), p.position(), -p.nParticle()*p.volume()
-                );
+                leave(p, flight, p.onBoundaryFace() ? p.patch() : -1);
                 delete moving.remove(&p);
             }
             else if (td.switchProcessor)

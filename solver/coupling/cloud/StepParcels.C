@@ -20,38 +20,6 @@ using elutria::dem::Flight;
 using elutria::dem::Particles;
 using elutria::dem::Vector3;
 
-
-template<class Work>
-void forEachColumn(Particles& p, const Work& work)
-{
-    work(p.id);
-    work(p.material);
-    for
-    (
-        auto* column :
-        {
-            &p.radius, &p.mass, &p.statisticalWeight, &p.solidFraction,
-            &p.dragRate
-        }
-    )
-    {
-        work(*column);
-    }
-    for
-    (
-        auto* vectors :
-        {
-            &p.position, &p.velocity, &p.spin, &p.gasVelocity,
-            &p.acceleration, &p.dragImpulse
-        }
-    )
-    {
-        work(vectors->x);
-        work(vectors->y);
-        work(vectors->z);
-    }
-}
-
 } // End anonymous namespace
 
 
@@ -143,18 +111,10 @@ void StepParcels::setLateAside()
         return;
     }
     all_ = particles;
-    forEachColumn(particles, [&](auto& column)
-    {
-        size_t kept = 0;
-        for (size_t i = 0; i < column.size(); ++i)
-        {
-            if (share[i] == 1)
-            {
-                column[kept++] = column[i];
-            }
-        }
-        column.resize(kept);
-    });
+    elutria::dem::keepOnly
+    (
+        particles, [&](const size_t i) { return share[i] == 1; }
+    );
 }
 
 

@@ -6,9 +6,9 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/contactLimits.H"
+#include "cloud/WallHits.H"
 #include "contacts/SymmetryWalls.H"
 #include "foam/honoured.H"
-#include "patchInteractionDataList.H"
 #include "wordRes.H"
 
 namespace Foam
@@ -24,63 +24,36 @@ std::string contactsAreOurs(const kind of, const word& name)
 {
     return
         std::string("since collisionModel cellList resolves the contacts with")
-      + " walls; allowed: " + honoured::find(of, name)->why;
+      + " it; allowed: " + honoured::find(of, name)->why;
 }
 
 
-//- What happens to a particle at a wall, by the model that would rule there
-word interactionAt
-(
-    const polyPatch& wall,
-    const word& model,
-    const dictionary& coeffs
-)
-{
-    if (model == "standardWallInteraction")
-    {
-        return coeffs.getOrDefault<word>("type", "rebound");
-    }
-    if (model == "localInteraction")
-    {
-        const patchInteractionDataList all(wall.boundaryMesh().mesh(), coeffs);
-        const label k = all.applyToPatch(wall.index());
-        return k < 0 ? word("rebound") : all[k].interactionTypeName();
-    }
-    return word("rebound");
-}
-
-
+//- Where the patch interaction model would do more than turn particles back
 void refuseInteractions(const dictionary& properties, const polyMesh& mesh)
 {
     const dictionary& models = properties.subOrEmptyDict("subModels");
-    const word model
-    (
-        models.getOrDefault<word>("patchInteractionModel", "none")
-    );
-    const dictionary& coeffs = models.subOrEmptyDict(model + "Coeffs");
-    const bool never = honoured::isRefused(kind::wallModelWithContacts, model);
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        if (!isContactPatch(patch))
+        if (!isSymmetry(patch))
         {
             continue;
         }
-        const word what = never ? model : interactionAt(patch, model, coeffs);
-        const kind of =
-            never ? kind::wallModelWithContacts : kind::wallWithContacts;
-        if (honoured::isRefused(of, what))
+        const word what(interactionAt(patch, models));
+        if (honoured::isRefused(kind::symmetryWithContacts, what))
         {
             FatalIOErrorInFunction(models)
-                << "patchInteractionModel: " << model << ": '" << what
-                << "' would not happen at the wall " << patch.name() << ", "
-                << contactsAreOurs(of, what).c_str() << exit(FatalIOError);
+                << "patchInteractionModel: '" << what
+                << "' would not happen at the plane of symmetry "
+                << patch.name() << ", "
+                << contactsAreOurs(kind::symmetryWithContacts, what).c_str()
+                << exit(FatalIOError);
         }
     }
 }
 
 
-//- Functions of the cloud that are called at hits, which the engine does not
-//  tell them
+//- Functions of the cloud that are called at hits, of which the engine does not
+//  tell
 void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
 {
     for (const entry& function : properties.subOrEmptyDict("cloudFunctions"))
@@ -94,23 +67,23 @@ void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
         for (const polyPatch& patch : mesh.boundaryMesh())
         {
             const bool records =
-                honoured::isRefused(kind::wallFunctionWithContacts, type);
+                honoured::isRefused(kind::symmetryFunctionWithContacts, type);
             const wordRes patches
             (
                 dict.getOrDefault<wordRes>("patches", wordRes())
             );
             if
             (
-                records && isContactPatch(patch)
+                records && isSymmetry(patch)
              && (type == "patchCollisionDensity" || patches.match(patch.name()))
             )
             {
                 FatalIOErrorInFunction(dict)
-                    << "type: '" << type << "' would record no hit of the wall "
+                    << "type: '" << type << "' would record no hit of the plane of symmetry "
                     << patch.name() << ", "
                     << contactsAreOurs
                        (
-                           kind::wallFunctionWithContacts, type
+                           kind::symmetryFunctionWithContacts, type
                        ).c_str()
                     << exit(FatalIOError);
             }

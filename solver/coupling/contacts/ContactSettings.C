@@ -326,7 +326,10 @@ ContactSettings::ContactSettings
     try
     {
         materials.check();
-        walls = collectWalls(U, particleNames.size(), settings.box, false);
+        walls = collectWalls
+        (
+            U, particleNames.size(), settings.box, false, wallFaces
+        );
     }
     catch (const std::invalid_argument& error)
     {
@@ -345,7 +348,7 @@ void ContactSettings::addSymmetryWalls
 )
 {
     addSymmetryMaterial(materials, nParticle, U.mesh());
-    walls = collectWalls(U, nParticle, settings.box, true);
+    walls = collectWalls(U, nParticle, settings.box, true, wallFaces);
 }
 
 
@@ -418,7 +421,8 @@ elutria::dem::Walls collectWalls
     const volVectorField& U,
     const uint32_t firstMaterial,
     const elutria::dem::PeriodicBox& box,
-    const bool symmetryPlanes
+    const bool symmetryPlanes,
+    std::vector<WallFace>& ofTriangles
 )
 {
     const polyMesh& mesh = U.mesh();
@@ -429,11 +433,13 @@ elutria::dem::Walls collectWalls
     List<labelList> wallOf(Pstream::nProcs());
     List<labelList> faceOf(Pstream::nProcs());
     List<labelList> placeOf(Pstream::nProcs());
+    List<labelList> meshFaceOf(Pstream::nProcs());
     labelList faces(Pstream::nProcs(), 0);
     DynamicList<point> ownCorners;
     DynamicList<label> ownWall;
     DynamicList<label> ownFace;
     DynamicList<label> ownPlace;
+    DynamicList<label> ownMeshFace;
     const labelList wholeFaces(facesOfWholeMesh(mesh));
     label& nFaces = faces[Pstream::myProcNo()];
 
@@ -461,7 +467,8 @@ elutria::dem::Walls collectWalls
                 }
                 ownWall.append(wall);
                 ownFace.append(facei);
-                ownPlace.append(wholeFaces[patch.start() + patchFacei]);
+                ownMeshFace.append(patch.start() + patchFacei);
+                ownPlace.append(wholeFaces[ownMeshFace.last()]);
             }
         }
     }
@@ -470,10 +477,12 @@ elutria::dem::Walls collectWalls
     wallOf[me] = ownWall;
     faceOf[me] = ownFace;
     placeOf[me] = ownPlace;
+    meshFaceOf[me] = ownMeshFace;
     everyones(corners);
     everyones(wallOf);
     everyones(faceOf);
     everyones(placeOf);
+    everyones(meshFaceOf);
     everyones(faces);
 
     elutria::dem::WallGeometry geometry;
@@ -500,6 +509,8 @@ elutria::dem::Walls collectWalls
         [](const Triangle& a, const Triangle& b) { return a.place < b.place; }
     );
 
+    ofTriangles.clear();
+
     // Triangles share points, across processors too
     HashTable<uint32_t, point, Hash<point>> known;
     for (const Triangle& t : triangles)
@@ -516,6 +527,7 @@ elutria::dem::Walls collectWalls
             triangle[k] = known[p];
         }
         geometry.triangles.push_back(triangle);
+        ofTriangles.push_back({t.proci, meshFaceOf[t.proci][t.i]});
         geometry.material.push_back(firstMaterial + wallOf[t.proci][t.i]);
         if (moves)
         {

@@ -79,29 +79,31 @@ const std::vector<honoured::Item> all =
         " none"
     },
     {kind::wallWithContacts, "rebound", use::works, ""},
+    {kind::wallWithContacts, "stick", use::works, ""},
+    {kind::wallWithContacts, "escape", use::works, ""},
+    {kind::wallFunctionWithContacts, "facePostProcessing", use::works, ""},
+    {kind::wallFunctionWithContacts, "particleErosion", use::works, ""},
+    {kind::wallFunctionWithContacts, "patchCollisionDensity", use::works, ""},
+    {kind::wallFunctionWithContacts, "patchPostProcessing", use::works, ""},
     {
-        kind::wallWithContacts, "stick", use::refused,
-        "rebound, or collisionModel none"
+        kind::symmetryWithContacts, "stick", use::refused,
+        "rebound there, a patch of the type wall, or collisionModel none"
     },
     {
-        kind::wallWithContacts, "escape", use::refused,
-        "rebound, or collisionModel none"
+        kind::symmetryWithContacts, "escape", use::refused,
+        "rebound there, a patch of the type wall, or collisionModel none"
     },
     {
-        kind::wallModelWithContacts, "multiInteraction", use::refused,
-        "rebound, or collisionModel none"
+        kind::symmetryFunctionWithContacts, "particleErosion", use::refused,
+        "patches that are no planes of symmetry, or collisionModel none"
     },
     {
-        kind::wallFunctionWithContacts, "particleErosion", use::refused,
-        "patches that are not walls, or collisionModel none"
+        kind::symmetryFunctionWithContacts, "patchCollisionDensity",
+        use::refused, "a mesh without planes of symmetry, or collisionModel none"
     },
     {
-        kind::wallFunctionWithContacts, "patchCollisionDensity", use::refused,
-        "patches that are not walls, or collisionModel none"
-    },
-    {
-        kind::wallFunctionWithContacts, "patchPostProcessing", use::refused,
-        "patches that are not walls, or collisionModel none"
+        kind::symmetryFunctionWithContacts, "patchPostProcessing", use::refused,
+        "patches that are no planes of symmetry, or collisionModel none"
     },
 
     // Of stock's cloud, beside its models

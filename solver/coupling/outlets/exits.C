@@ -54,7 +54,9 @@ way wayOf(const dictionary& subModels, const polyPatch& patch)
     {
         return way::unknown;
     }
-    return isA<wallPolyPatch>(patch) ? way::closed : way::out;
+    const dictionary& coeffs = subModels.subOrEmptyDict(model + "Coeffs");
+    const bool escapes = coeffs.getOrDefault<word>("type", "") == "escape";
+    return isA<wallPolyPatch>(patch) && !escapes ? way::closed : way::out;
 }
 
 } // End anonymous namespace

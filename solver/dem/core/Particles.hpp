@@ -59,4 +59,31 @@ struct Particles
     std::size_t size() const { return id.size(); }
 };
 
+/// Calls work(column) for every array of the particles, components apart.
+template<class Work>
+void forEachColumn(Particles& p, const Work& work)
+{
+    work(p.id), work(p.material);
+    for (auto* column : {&p.radius, &p.mass, &p.statisticalWeight, &p.solidFraction, &p.dragRate})
+        work(*column);
+    for (auto* vectors : {&p.position, &p.velocity, &p.spin, &p.gasVelocity, &p.acceleration,
+                          &p.dragImpulse})
+        work(vectors->x), work(vectors->y), work(vectors->z);
+}
+
+/// Leaves the particles for which keep(i) says so; arrays that are empty stay so.
+template<class Keep>
+void keepOnly(Particles& p, const Keep& keep)
+{
+    const std::size_t n = p.size();
+    forEachColumn(p, [&](auto& column)
+    {
+        if (column.size() != n) return;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < n; ++i)
+            if (keep(i)) column[kept++] = column[i];
+        column.resize(kept);
+    });
+}
+
 } // namespace elutria::dem

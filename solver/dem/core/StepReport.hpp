@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/WallHit.hpp"
 #include "core/Warning.hpp"
 
 #include <algorithm>
@@ -42,6 +43,7 @@ struct StepCounts
 struct StepReport : StepCounts
 {
     StepCounts own;                      // this rank's part
+    std::vector<WallHit> hits;           // own ones, of walls that answer, in order of time
     std::vector<Warning> warnings;
 };
 

@@ -166,6 +166,7 @@ StepReport Engine::advance(Particles& particles, double duration)
     report.particles = particles.size();
     if (self_->softOnly()) self_->runSoft(particles, duration, report);
     else self_->adaptive.advance(particles, duration, report);
+    sortHits(report.hits);
     report.own = report;
     StepCounts all;
     for (const StepCounts& ofRank : shareEach<StepCounts>(self_->exchange, report)) all.add(ofRank);
@@ -209,7 +210,7 @@ void Engine::Implementation::runSoft(Particles& particles, double duration, Step
         refuseTooMuchWork(duration, steps, all.size());
         soft.run(all, duration, std::size_t(steps), report);
     });
-    gathered.giveBack();
+    gathered.giveBack(report.hits);
 }
 
 std::vector<ContactRecord> Engine::exportContacts() const
@@ -226,6 +227,11 @@ void Engine::importContacts(const std::vector<ContactRecord>& records)
 void Engine::setWallMotions(std::vector<WallMotion> motions)
 {
     self_->walls.setMotions(std::move(motions));
+}
+
+void Engine::setWallAnswers(std::vector<WallAnswer> answers)
+{
+    self_->walls.setAnswers(std::move(answers));
 }
 
 double Engine::stepLimit(const Particles& particles, double speed) const

@@ -53,6 +53,10 @@ public:
     /// How the walls move from now on; as many motions as WallGeometry had.
     void setWallMotions(std::vector<WallMotion> motions);
 
+    /// What hits of walls mean from now on, by contact material; empty: nothing. Each rank's
+    /// report has the hits of its own particles.
+    void setWallAnswers(std::vector<WallAnswer> answers);
+
     /// Largest sub-step allowed, s: stepFraction of the contact time of the smallest, lightest
     /// pair that can meet at the given relative speed (m/s; 0: the particles' largest).
     double stepLimit(const Particles& particles, double speed = 0) const;

@@ -29,6 +29,7 @@ double EventDriven::run(std::vector<ParticleState>& members, double begin, doubl
 {
     members_ = &members, paths_ = &segments, end_ = end, seed_ = seed;
     impacts_ = 0;
+    hits_.clear();
     largestOverlap_ = 0;
     busyUntil_ = begin;
     queue_.clear();
@@ -102,6 +103,7 @@ void EventDriven::predictPair(std::uint32_t a, std::uint32_t b, double from)
     if (squaredNorm(apart) >= reach*reach) return;
 
     const ParticleState &ta = (*members_)[a], &tb = (*members_)[b];
+    if (ta.taken || tb.taken) return;
     const Flight fa = sa.since == from ? ta.flight : ta.flight.at(from - sa.since);
     const Flight fb = sb.since == from ? tb.flight : tb.flight.at(from - sb.since);
     if (isWeighted(ta, tb))
@@ -135,6 +137,7 @@ void EventDriven::predictWall(std::uint32_t a, double from)
 {
     State& state = states_[a];
     const ParticleState& t = (*members_)[a];
+    if (t.taken) return;
     const double time = end_ - from;
     walls_.collect(t.flight.position, t.flight.at(time).position,
                    t.radius + t.flight.chordDeviation(time), images_);
@@ -150,8 +153,10 @@ void EventDriven::predictWall(std::uint32_t a, double from)
         state.nextWall = image;
     }
     if (first.time >= never) return;
-    const bool suits = laws_.walls()(t.material, walls_.material(state.nextWall.triangle)).applies();
-    push({from + first.time, a, wall, state.version, 0, first.lasting || !suits});
+    const std::uint32_t triangle = state.nextWall.triangle;
+    const bool suits = laws_.walls()(t.material, walls_.material(triangle)).applies();
+    const bool takes = walls_.answer(triangle) == WallAnswer::takes;
+    push({from + first.time, a, wall, state.version, 0, !takes && (first.lasting || !suits)});
 }
 
 
@@ -172,6 +177,7 @@ void EventDriven::remember(double time)
     c.time = time;
     c.members = *members_;
     c.impacts = impacts_;
+    c.hits = hits_.size();
     c.since.clear(), c.segments.clear();
     for (const State& state : states_) c.since.push_back(state.since);
     for (const Path& segments : *paths_) c.segments.push_back(segments.size());
@@ -183,6 +189,7 @@ double EventDriven::goBack()
     const Checkpoint& c = checkpoint_;
     *members_ = c.members;
     impacts_ = c.impacts;
+    hits_.resize(c.hits);
     for (std::size_t i = 0; i < states_.size(); ++i)
     {
         states_[i].since = c.since[i];
@@ -218,6 +225,12 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
 
     fly(a, time);
     if (!onWall) fly(b, time);
+    if (onWall && walls_.answer(sa.nextWall.triangle) == WallAnswer::takes)
+    {
+        reportHit(event);
+        rest(a);
+        return Verdict::done;
+    }
     const ParticleState& ta = (*members_)[a];
     ImpactBody bodyA = bodyOf(ta), bodyB;
     Vector3 normal, acceleration = ta.flight.acceleration;
@@ -251,6 +264,7 @@ EventDriven::Verdict EventDriven::carryOut(const Event& event)
     const double pressing = -dot(acceleration, normal)*lasts/closing;
     if (std::abs(pressing) > ImpactLaw::mostPressing && !forced_) return Verdict::handOver;
     if (!collide(bodyA, bodyB, normal, law, pressing)) return Verdict::handOver;
+    if (onWall) reportHit(event);
 
     ++impacts_;
     largestOverlap_ = std::max(largestOverlap_, law.depth(lasts, closing)
@@ -317,10 +331,38 @@ void EventDriven::predictAfter(const Event& event, bool changedA, bool changedB)
 void EventDriven::changed(std::uint32_t a, const ImpactBody& after)
 {
     ParticleState& t = (*members_)[a];
-    State& state = states_[a];
     t.flight.acceleration -= t.flight.rate*(after.velocity - t.flight.velocity);
     t.flight.velocity = after.velocity;
     t.spin = after.spin;
+    pathChanged(a);
+}
+
+
+/// Its hit of the wall that it has flown to, where that answers.
+void EventDriven::reportHit(const Event& event)
+{
+    const Walls::Image& image = states_[event.a].nextWall;
+    const WallAnswer answer = walls_.answer(image.triangle);
+    if (answer == WallAnswer::silent) return;
+    const ParticleState& t = (*members_)[event.a];
+    const Vector3 away = t.flight.position - walls_.nearestPoint(image, t.flight.position);
+    hits_.push_back({t.id, image.triangle, answer, event.time, t.flight.position, t.flight.velocity,
+                     (1/norm(away))*away});
+}
+
+
+void EventDriven::rest(std::uint32_t a)
+{
+    (*members_)[a].rest();
+    pathChanged(a);
+}
+
+
+/// From now on: predictions made before are void.
+void EventDriven::pathChanged(std::uint32_t a)
+{
+    const ParticleState& t = (*members_)[a];
+    State& state = states_[a];
     state.bound = boundOf(t.flight, t.reach, end_ - state.since);
     state.end = t.flight.at(end_ - state.since).position;
     ++state.version;

@@ -37,6 +37,8 @@ public:
                std::vector<Path>& segments, double mostImpacts = 1e300);
 
     std::size_t impacts() const { return impacts_; }
+    /// Of walls that answer, in order of time.
+    const std::vector<WallHit>& hits() const { return hits_; }
     /// That the impacts would have had, over the radius.
     double largestOverlap() const { return largestOverlap_; }
 
@@ -73,10 +75,13 @@ private:
     enum class Verdict { done, handOver, crowded };
     bool tooMany(const Event&) const;
     Verdict carryOut(const Event&);
+    void reportHit(const Event&);
+    void rest(std::uint32_t a);
     void collideStochastically(const Event&);
     void predictAfter(const Event&, bool changedA, bool changedB);
     void fly(std::uint32_t a, double to);
     void changed(std::uint32_t a, const ImpactBody& after);
+    void pathChanged(std::uint32_t a);
     void push(const Event& event);
     void remember(double time);
     double goBack();
@@ -88,7 +93,7 @@ private:
         std::vector<ParticleState> members;
         std::vector<double> since;
         std::vector<std::size_t> segments;
-        std::size_t impacts = 0;
+        std::size_t impacts = 0, hits = 0;
     };
 
     const ImpactLaws& laws_;
@@ -97,6 +102,7 @@ private:
     bool forced_;
     std::size_t impacts_ = 0;
     double largestOverlap_ = 0;
+    std::vector<WallHit> hits_;
 
     std::vector<ParticleState>* members_ = nullptr;
     std::vector<Path>* paths_ = nullptr;

@@ -13,6 +13,7 @@ struct ParticleState
 {
     std::uint64_t id = 0;
     std::uint32_t material = 0;
+    bool taken = false;            // by a wall: it rests and meets nothing
     double radius = 0, mass = 0;   // m, kg
     double weight = 1;             // statistical: particles that it stands for
     double reach = 0;              // m: the radius, or the range of stochastic collisions
@@ -22,6 +23,16 @@ struct ParticleState
     Vector3 force;                 // m/s^2: constant acceleration, without drag
     Vector3 gasVelocity;           // m/s
     Vector3 dragGain;              // m/s: velocity received from the drag so far
+
+    /// Rests where it is, from now on.
+    void rest()
+    {
+        taken = true;
+        force = spin = {};
+        const Vector3 place = flight.position;
+        flight = {};
+        flight.position = place;
+    }
 };
 
 /// A segment of a path: a flight from `begin` on, known to within `slack`.

@@ -97,6 +97,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
         length = std::min(length, whole - done);
         const std::uint64_t seed = scrambled(scrambled(particles.stepIndex) + std::uint64_t(done));
         const bool mayCut = length > 1 && duration*length/whole > fewSubSteps*softStep;
+        pieceBegin_ = duration*done/whole;
         switch (advancePiece(duration*length/whole, seed, mayCut, report))
         {
             case Outcome::tooLong:
@@ -111,7 +112,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
                         "collide",
                         "more than " + text(mostOverSoft) + " times the work of contact steps for all",
                         "lower deltaT, or feed fewer particles", 1 - done/whole});
-                return runSoft(particles, duration*(1 - done/whole), true, report);
+                return runRestSoft(particles, duration, done/whole, report);
             case Outcome::done:
                 done += length;
                 ++report.pieces;
@@ -119,6 +120,31 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
         }
     }
     states_.store(particles);
+}
+
+
+/// The soft law for all for what is left of a step of which a share is done. What walls have taken
+/// before takes part: it is put back, and its hits are forgotten.
+void AdaptiveIntegrator::runRestSoft(Particles& particles, double duration, double done,
+                                     StepReport& report)
+{
+    std::vector<WallHit> hits = std::move(report.hits);
+    report.hits.clear();
+    runSoft(particles, duration*(1 - done), true, report);
+    states_.storeTaken(particles);
+    const auto isTaken = [&](std::uint64_t id)
+    {
+        return std::any_of(hits.begin(), hits.end(), [&](const WallHit& hit)
+        { return hit.id == id && hit.answer == WallAnswer::takes; });
+    };
+    std::vector<WallHit> later;
+    for (WallHit hit : report.hits)
+    {
+        hit.time += duration*done;
+        if (!isTaken(hit.id)) later.push_back(hit);
+    }
+    hits.insert(hits.end(), later.begin(), later.end());
+    report.hits = std::move(hits);
 }
 
 
@@ -133,7 +159,7 @@ void AdaptiveIntegrator::runSoft(Particles& particles, double duration, bool con
     {
         if (gathered.here()) runSoftHere(gathered.everyone(), duration, continued, report);
     });
-    gathered.giveBack();
+    gathered.giveBack(report.hits);
 }
 
 
@@ -309,6 +335,11 @@ void AdaptiveIntegrator::finishPiece(const Piece& piece, StepReport& report)
         if (particles == 0) continue;          // merged into another
         report.freeParticles -= particles;
         lasting.insert(lasting.end(), results_[k].contacts.begin(), results_[k].contacts.end());
+        for (WallHit hit : results_[k].hits)
+        {
+            hit.time += pieceBegin_;
+            report.hits.push_back(hit);
+        }
         if (shared_.nameOf(k) == SharedIslands::none) count(results_[k]);
     }
     shared_.forEachResult(false, count);
@@ -318,6 +349,7 @@ void AdaptiveIntegrator::finishPiece(const Piece& piece, StepReport& report)
         ++(record.wall ? report.wallTouching : report.touching);
     contactEnds_ = 2*report.touching + report.wallTouching;
     contacts_ = SortedContacts(std::move(lasting));
+    if (walls_.take()) states_.setTakenAside();
 }
 
 } // namespace elutria::dem

@@ -81,6 +81,7 @@ private:
     void dropShared();
     bool mergeWhatMeetsAmongRanks(const Piece& piece, StepReport& report);
     void finishPiece(const Piece& piece, StepReport& report);
+    void runRestSoft(Particles& particles, double duration, double done, StepReport& report);
 
     const Settings& settings_;
     const Walls& walls_;
@@ -91,6 +92,7 @@ private:
 
     ParticleStates states_;
     SortedContacts contacts_;
+    double pieceBegin_ = 0;                    // s, since the step began
     double workLeft_ = 0;                      // of the step, sub-steps or impacts times particles
     bool softRules_ = false;                   // the soft integrator steps and holds the history
     std::size_t contactEnds_ = 0;              // of this rank's records; two per pair, one per wall

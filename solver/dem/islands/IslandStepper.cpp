@@ -46,6 +46,7 @@ void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& 
     result.shortestStep = 1e300;
     result.largestOverlap = result.impactSeconds = result.softSeconds = 0;
     result.contacts.clear();
+    result.hits.clear();
     result.finished = true;
     const double impactsAllowed = piece.work/(double(result.end.size()) + 20);
 
@@ -68,6 +69,7 @@ void IslandStepper::run(const Piece& piece, const Island& island, IslandResult& 
             time = events_.run(result.end, time, duration, piece.seed, result.paths,
                                impactsAllowed);
             result.impacts += events_.impacts();
+            result.hits.insert(result.hits.end(), events_.hits().begin(), events_.hits().end());
             result.largestOverlap = std::max(result.largestOverlap, events_.largestOverlap());
         }
         if (time >= duration) break;
@@ -90,7 +92,10 @@ void IslandStepper::startSoft(const std::vector<ContactRecord>& history)
 void IslandStepper::gather(const std::vector<ParticleState>& members)
 {
     Particles& p = gathered_;
-    const std::size_t n = members.size();
+    memberOf_.clear();
+    for (std::uint32_t i = 0; i < members.size(); ++i)
+        if (!members[i].taken) memberOf_.push_back(i);
+    const std::size_t n = memberOf_.size();
     p.id.resize(n), p.material.resize(n), p.radius.resize(n), p.mass.resize(n);
     p.dragRate.resize(n), p.statisticalWeight.resize(n);
     for (VectorArray* array :
@@ -98,7 +103,7 @@ void IslandStepper::gather(const std::vector<ParticleState>& members)
         array->resize(n);
     for (std::size_t i = 0; i < n; ++i)
     {
-        const ParticleState& t = members[i];
+        const ParticleState& t = members[memberOf_[i]];
         p.id[i] = t.id, p.material[i] = t.material, p.radius[i] = t.radius, p.mass[i] = t.mass;
         p.dragRate[i] = t.flight.rate;
         p.statisticalWeight[i] = t.weight;
@@ -197,7 +202,7 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
     gather(result.end);
     const double remaining = end - begin, limit = longestStep(result);
     const double needed = std::max(1.0, std::ceil(remaining/limit*(1 - 1e-12)));
-    const double wanted = result.end.size() <= smallIsland
+    const double wanted = result.end.size() <= smallIsland || walls_.take()
         ? chunkSteps : std::max(chunkSteps, std::ceil(needed/chunksOfLarge));
     const double steps = std::min(needed, wanted);
     const double time = steps == needed ? remaining : steps*(remaining/needed);
@@ -209,20 +214,30 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
     result.shortestStep = std::min(result.shortestStep, time/steps);
     overlap_ = report.largestOverlap;
     result.largestOverlap = std::max(result.largestOverlap, overlap_);
-    for (std::size_t i = 0; i < result.end.size(); ++i)
+    for (std::size_t i = 0; i < gathered_.size(); ++i)
     {
-        ParticleState& t = result.end[i];
+        ParticleState& t = result.end[memberOf_[i]];
         const Vector3 moved =
             settings_.box.shortest(gathered_.position[i] - t.flight.position);
         const Vector3 velocity = gathered_.velocity[i];
         PathSegment segment{begin, {}, 0.5*time*norm(velocity - t.flight.velocity)};
         segment.flight.position = t.flight.position;
         segment.flight.velocity = (1/time)*moved;
-        result.paths[i].push_back(segment);
+        result.paths[memberOf_[i]].push_back(segment);
         t.flight = Flight(t.flight.position + moved, velocity, t.force, t.gasVelocity,
                           t.flight.rate);
         t.spin = gathered_.spin[i];
         t.dragGain += (1/t.mass)*gathered_.dragImpulse[i];
+    }
+    for (WallHit hit : report.hits)
+    {
+        hit.time += begin;
+        result.hits.push_back(hit);
+        if (hit.answer != WallAnswer::takes) continue;
+        const auto place = std::find(gathered_.id.begin(), gathered_.id.end(), hit.id);
+        const std::uint32_t member = memberOf_[std::size_t(place - gathered_.id.begin())];
+        result.end[member].rest();
+        result.paths[member].push_back({begin + time, result.end[member].flight, 0});
     }
     return steps == needed ? end : begin + time;
 }

@@ -20,6 +20,7 @@ struct IslandResult
     std::vector<ParticleState> end;
     std::vector<Path> paths;
     std::vector<ContactRecord> contacts;       // that last beyond the piece
+    std::vector<WallHit> hits;                 // of walls that answer
     std::size_t impacts = 0, subSteps = 0;
     double shortestStep = 0;                   // s
     double largestOverlap = 0;                 // over the smaller radius
@@ -63,7 +64,8 @@ private:
     EventDriven events_;
     std::optional<SoftIntegrator> soft_;
     double overlap_ = 0;                       // over the smallest radius, in the last chunk
-    Particles gathered_;
+    Particles gathered_;                       // those that no wall has taken
+    std::vector<std::uint32_t> memberOf_;      // of each in gathered_
     std::vector<Walls::Image> images_;         // scratch of wallSpeed()
     std::vector<WallContact> wall_;
 };

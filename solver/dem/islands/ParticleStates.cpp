@@ -14,6 +14,7 @@ namespace elutria::dem
 void ParticleStates::load(const Particles& p, bool weighted)
 {
     const std::size_t n = p.size();
+    taken_.clear(), orderOfTaken_.clear();
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), 0u);
     if (!std::is_sorted(p.id.begin(), p.id.end()))
@@ -33,6 +34,7 @@ void ParticleStates::load(const Particles& p, bool weighted)
         s.flight = Flight(p.position[k], p.velocity[k], s.force, s.gasVelocity,
                           p.dragRate.empty() ? 0 : p.dragRate[k]);
         s.dragGain = {};
+        s.taken = false;
     });
     for (std::size_t i = 1; i < n; ++i)
         if (all_[i - 1].id == all_[i].id)
@@ -61,19 +63,47 @@ void ParticleStates::prepareStochasticCollisions(const Particles& p)
 }
 
 
+void ParticleStates::setTakenAside()
+{
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < all_.size(); ++i)
+    {
+        if (all_[i].taken)
+        {
+            taken_.push_back(all_[i]), orderOfTaken_.push_back(order_[i]);
+            continue;
+        }
+        if (left != i) all_[left] = all_[i], order_[left] = order_[i];
+        ++left;
+    }
+    all_.resize(left), order_.resize(left);
+}
+
+
+void ParticleStates::store(const ParticleState& s, std::uint32_t k, const PeriodicBox& box,
+                           Particles& p)
+{
+    p.position.set(k, box.wrapped(s.flight.position));
+    p.velocity.set(k, s.flight.velocity);
+    p.spin.set(k, s.spin);
+    if (!p.dragRate.empty()) p.dragImpulse.set(k, s.mass*s.dragGain);
+}
+
+
+bool ParticleStates::storeTaken(Particles& p) const
+{
+    for (std::size_t i = 0; i < taken_.size(); ++i)
+        store(taken_[i], orderOfTaken_[i], settings_.box, p);
+    return !taken_.empty();
+}
+
+
 void ParticleStates::store(Particles& p) const
 {
-    const bool drag = !p.dragRate.empty();
-    if (drag) p.dragImpulse.resize(p.size());
-    forElements(settings_.threads, all_.size(), [&](std::size_t i)
-    {
-        const std::uint32_t k = order_[i];
-        const ParticleState& s = all_[i];
-        p.position.set(k, settings_.box.wrapped(s.flight.position));
-        p.velocity.set(k, s.flight.velocity);
-        p.spin.set(k, s.spin);
-        if (drag) p.dragImpulse.set(k, s.mass*s.dragGain);
-    });
+    if (!p.dragRate.empty()) p.dragImpulse.resize(p.size());
+    forElements(settings_.threads, all_.size(),
+                [&](std::size_t i) { store(all_[i], order_[i], settings_.box, p); });
+    storeTaken(p);
 }
 
 } // namespace elutria::dem

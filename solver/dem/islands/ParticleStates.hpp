@@ -21,6 +21,10 @@ public:
     void load(const Particles& particles, bool weighted = false);
     /// Gives positions (inside the box), velocities, spins and dragImpulse back.
     void store(Particles& particles) const;
+    /// The same of those that walls have taken alone; true if there are any.
+    bool storeTaken(Particles& particles) const;
+    /// From now on those that walls have taken are not among all().
+    void setTakenAside();
 
     std::size_t size() const { return all_.size(); }
     std::vector<ParticleState>& all() { return all_; }
@@ -33,8 +37,11 @@ private:
     void prepareStochasticCollisions(const Particles& particles);
 
     const Settings& settings_;
-    std::vector<ParticleState> all_;
+    static void store(const ParticleState&, std::uint32_t place, const PeriodicBox&, Particles&);
+
+    std::vector<ParticleState> all_, taken_;
     std::vector<std::uint32_t> order_;         // own index -> caller's index
+    std::vector<std::uint32_t> orderOfTaken_;
     bool weighted_ = false;
 };
 

@@ -279,7 +279,10 @@ void SharedIslands::sendHome(std::vector<IslandResult>& results)
             std::vector<ContactRecord> contacts;
             for (const ContactRecord& record : results_[k].contacts)
                 if (rankOf(record.first) == r) contacts.push_back(record);
-            toEach[r] << k << contacts;
+            std::vector<WallHit> hits;
+            for (const WallHit& hit : results_[k].hits)
+                if (rankOf(hit.id) == r) hits.push_back(hit);
+            toEach[r] << k << contacts << hits;
             for (std::size_t p = 0; p < members.size(); ++p)
                 if (rankOf_[members[p]] == r) toEach[r] << results_[k].end[p] << results_[k].paths[p];
         }
@@ -290,7 +293,7 @@ void SharedIslands::sendHome(std::vector<IslandResult>& results)
             const SharedIsland& island = islands_[in.get<std::uint32_t>()];
             IslandResult& result = results[island.ownIsland];
             result = {};
-            in >> result.contacts;
+            in >> result.contacts >> result.hits;
             const std::size_t members = island.members[exchange_.rank()];
             result.end.resize(members), result.paths.resize(members);
             for (std::size_t p = 0; p < members; ++p) in >> result.end[p] >> result.paths[p];

@@ -2,6 +2,7 @@
 
 #include "parallel/Message.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace elutria::dem
@@ -65,11 +66,13 @@ Gathered::Gathered(Exchange& exchange, Particles& particles)
 }
 
 
-void Gathered::giveBack()
+void Gathered::giveBack(std::vector<WallHit>& hits)
 {
     if (exchange_.alone()) return;
     std::vector<Outgoing> toEach(exchange_.ranks());
     if (here())
+    {
+        for (Outgoing& out : toEach) out << hits;
         for (const std::vector<double>* column : sentBack(all_))
             for (std::size_t r = 0; r < toEach.size(); ++r)
             {
@@ -79,8 +82,17 @@ void Gathered::giveBack()
                                                           column->begin() + from_[r + 1])
                                     : std::vector<double>());
             }
+    }
     const std::vector<Bytes> back = exchange_.swap(taken(toEach));
     Incoming in(back[0]);
+    in >> hits;
+    if (!hits.empty())
+    {
+        std::vector<std::uint64_t> ids = own_.id;
+        std::sort(ids.begin(), ids.end());
+        hits.erase(std::remove_if(hits.begin(), hits.end(), [&](const WallHit& hit)
+                   { return !std::binary_search(ids.begin(), ids.end(), hit.id); }), hits.end());
+    }
     for (std::vector<double>* column : sentBack(own_)) in >> *column;
 }
 

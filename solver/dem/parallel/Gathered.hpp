@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/Particles.hpp"
+#include "core/WallHit.hpp"
 #include "parallel/Exchange.hpp"
 
 #include <vector>
@@ -20,8 +21,14 @@ public:
     Particles& everyone() { return exchange_.alone() ? own_ : all_; }
     bool here() const { return exchange_.rank() == 0; }
 
-    /// Brings positions, velocities, spins and drag impulses back to their ranks.
-    void giveBack();
+    /// Brings positions, velocities, spins and drag impulses back to their ranks; of the hits that
+    /// the first rank gives, each rank gets those of its own particles.
+    void giveBack(std::vector<WallHit>& hits);
+    void giveBack()
+    {
+        std::vector<WallHit> none;
+        giveBack(none);
+    }
 
 private:
     Exchange& exchange_;

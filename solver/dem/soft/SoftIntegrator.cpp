@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace elutria::dem
@@ -150,7 +151,7 @@ void SoftIntegrator::receive(std::size_t chunk, StepWeights weights)
     contacts_.receive(chunk, cloud_);
     if (!atWalls_.near(chunk)) return;
     contacts_.startSums(chunk, cloud_);
-    atWalls_.evaluate(chunk, cloud_, weights);
+    atWalls_.evaluate(chunk, cloud_, weights, time_);
 }
 
 /// base + sign*(h phi2 a): between base and velocity.
@@ -235,17 +236,19 @@ void SoftIntegrator::finish()
     });
 }
 
-void SoftIntegrator::run(Particles& particles, double duration, std::size_t subSteps,
-                         StepReport& report)
+void SoftIntegrator::runAll(Particles& particles, double duration, std::size_t subSteps,
+                            StepReport& report)
 {
     load(particles, duration/double(subSteps));
     if (cloud_.size() == 0) return;
     const std::size_t rebuilds = rebuilds_;
     ensureLists();
+    time_ = 0;
     start();
     for (std::size_t s = 1; s <= subSteps; ++s)
     {
         move({0.5*step_, 0.5*step_}, s == 1);
+        time_ = double(s)*step_;
         ensureLists();
         evaluate({0.5*step_, s == subSteps ? 0 : 0.5*step_});
     }
@@ -261,6 +264,75 @@ void SoftIntegrator::run(Particles& particles, double duration, std::size_t subS
     report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
                                       atWalls_.takeLargestOverlap()});
     report.bytes = bytes();
+}
+
+void SoftIntegrator::run(Particles& particles, double duration, std::size_t subSteps,
+                         StepReport& report)
+{
+    if (!walls_.take())
+    {
+        runAll(particles, duration, subSteps, report);
+        takeHits(particles, report);
+        return;
+    }
+    Particles moving = particles;
+    moving.dragImpulse = {};
+    if (!particles.dragRate.empty()) particles.dragImpulse.assign(particles.size(), {});
+    std::vector<std::uint32_t> place(particles.size());
+    std::iota(place.begin(), place.end(), 0u);
+    for (std::size_t done = 0, steps; done < subSteps; done += steps)
+    {
+        steps = std::min(stepsOfTaken, subSteps - done);
+        StepReport part;
+        runAll(moving, duration*double(steps)/double(subSteps), steps, part);
+        const std::vector<bool> taken = takeHits(moving, part);
+        for (std::size_t i = 0; i < moving.size(); ++i)
+        {
+            const std::uint32_t k = place[i];
+            particles.position.set(k, moving.position[i]);
+            particles.velocity.set(k, moving.velocity[i]);
+            particles.spin.set(k, moving.spin[i]);
+            if (!particles.dragRate.empty())
+                particles.dragImpulse.set(k, particles.dragImpulse[k] + moving.dragImpulse[i]);
+        }
+        for (WallHit& hit : part.hits)
+        {
+            hit.time += duration*double(done)/double(subSteps);
+            report.hits.push_back(hit);
+        }
+        if (done == 0) report.softParticles += moving.size();
+        report.subSteps += steps, report.listBuilds += part.listBuilds;
+        report.step = part.step, report.candidates = part.candidates, report.bytes = part.bytes;
+        report.touching = part.touching, report.wallTouching = part.wallTouching;
+        report.largestOverlap = std::max(report.largestOverlap, part.largestOverlap);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < taken.size(); ++i)
+            if (!taken[i]) place[kept++] = place[i];
+        if (kept < place.size()) keepOnly(moving, [&](std::size_t i) { return !taken[i]; });
+        place.resize(kept);
+    }
+}
+
+/// What a wall has taken is put back to where that was, at the end of a run: kernels do not leave a
+/// particle out. What it did in between is forgotten, but for what it gave to others. Which were taken.
+std::vector<bool> SoftIntegrator::takeHits(Particles& particles, StepReport& report)
+{
+    std::vector<bool> taken(particles.size(), false);
+    const std::vector<WallHit> hits = atWalls_.takeHits();
+    if (hits.empty()) return taken;
+    const std::vector<std::uint32_t> byId = cloud_.byId();
+    for (const WallHit& hit : hits)
+    {
+        const std::uint32_t k = cloud_.caller(cloud_.find(byId, hit.id));
+        if (taken[k]) continue;
+        report.hits.push_back(hit);
+        if (hit.answer != WallAnswer::takes) continue;
+        taken[k] = true;
+        particles.position.set(k, settings_.box.wrapped(hit.position));
+        particles.velocity.set(k, {});
+        particles.spin.set(k, {});
+    }
+    return taken;
 }
 
 void SoftIntegrator::contactForces(const Particles& particles, double step, VectorArray& force,

@@ -35,7 +35,10 @@ public:
     SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls);
     SoftIntegrator(const SoftIntegrator&) = delete;
 
+    /// What a wall takes is back where it hit it at the end of at most `stepsOfTaken` sub-steps, and
+    /// rests from then on.
     void run(Particles& particles, double duration, std::size_t subSteps, StepReport& report);
+    static constexpr std::size_t stepsOfTaken = 32;
 
     void contactForces(const Particles& particles, double step, VectorArray& force,
                        VectorArray& torque);
@@ -74,6 +77,8 @@ private:
     void follow(std::size_t chunk, const MoveWork& work);
     void finish();
     void kick(std::size_t chunk, double sign);
+    void runAll(Particles& particles, double duration, std::size_t subSteps, StepReport& report);
+    std::vector<bool> takeHits(Particles& particles, StepReport& report);
     std::size_t bytes() const;
 
     const Settings& settings_;
@@ -93,6 +98,7 @@ private:
     std::vector<MoveWork> works_;            // of the chunks
 
     double step_ = 0;
+    double time_ = 0;                        // s, of the forces, since the run began
     Vector3 mean_;                           // m/s, of the predicted velocities
     bool valid_ = false;                     // lists fit the cloud
     std::vector<double> wallMargin_;         // m, of each chunk

@@ -64,7 +64,7 @@ double WallContacts::refresh(std::size_t index, const SoftCloud& cloud, std::siz
     return std::max(margin, nearest);
 }
 
-void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights)
+void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights weights, double time)
 {
     if (walls_.empty()) return;
     Chunk& chunk = chunks_[index];
@@ -96,6 +96,7 @@ void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
                 if (memory.first == wall.feature) history = memory.second;
             }
             if (wall.gap >= 0 && !history.touching) continue;
+            const bool begins = !history.touching;
             const double share = (row.radius + wall.gap)/row.radius;
             const Vector3 velocity =
                 cloud.frame + Vector3{row.vx, row.vy, row.vz} - wall.velocity;
@@ -118,6 +119,9 @@ void WallContacts::evaluate(std::size_t index, SoftCloud& cloud, StepWeights wei
             load.fx += force.x, load.fy += force.y, load.fz += force.z;
             load.mx += moment.x, load.my += moment.y, load.mz += moment.z;
             if (history.touching) chunk.kept.push_back({wall.feature, history});
+            if (begins && walls_.answer(wall.triangle) != WallAnswer::silent)
+                chunk.hits.push_back({cloud.id(i), wall.triangle, walls_.answer(wall.triangle), time,
+                                      position, velocity + wall.velocity, wall.normal});
             chunk.largestOverlap = std::max(chunk.largestOverlap, e.overlap/row.radius);
         }
         candidate.memories.assign(chunk.kept.begin(), chunk.kept.end());
@@ -133,6 +137,18 @@ double WallContacts::takeLargestOverlap()
         chunk.largestOverlap = 0;
     }
     return largest;
+}
+
+std::vector<WallHit> WallContacts::takeHits()
+{
+    std::vector<WallHit> all;
+    for (Chunk& chunk : chunks_)
+    {
+        all.insert(all.end(), chunk.hits.begin(), chunk.hits.end());
+        chunk.hits.clear();
+    }
+    sortHits(all);
+    return all;
 }
 
 std::vector<LastingWall> WallContacts::lasting() const

@@ -38,10 +38,12 @@ public:
     /// True if walls are near particles of the chunk.
     bool near(std::size_t chunk) const { return chunks_[chunk].count > 0; }
 
-    /// Adds the forces of the walls to the loads of a chunk's particles.
-    void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights);
+    /// Adds the forces of the walls to the loads of a chunk's particles; `time` (s) is that of hits.
+    void evaluate(std::size_t chunk, SoftCloud& cloud, StepWeights weights, double time);
 
     double takeLargestOverlap();
+    /// Hits since the last call, of walls that answer, with times as they were given.
+    std::vector<WallHit> takeHits();
     std::vector<LastingWall> lasting() const;
     std::size_t touching() const;
     std::size_t bytes() const;
@@ -63,6 +65,7 @@ private:
         double margin = 0, largestOverlap = 0;
         std::vector<WallContact> found;
         std::vector<Memory> kept;
+        std::vector<WallHit> hits;
     };
 
     const LawTable& laws_;

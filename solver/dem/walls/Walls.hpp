@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/PeriodicBox.hpp"
+#include "core/WallHit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -82,6 +83,19 @@ public:
     void setMotions(std::vector<WallMotion> motions);
     /// Largest speed of any wall's surface, m/s.
     double largestSpeed() const;
+
+    /// What hits mean, by contact material; empty: all are silent.
+    void setAnswers(std::vector<WallAnswer> ofMaterial) { answers_ = std::move(ofMaterial); }
+    /// Does any take what hits it?
+    bool take() const
+    {
+        return std::find(answers_.begin(), answers_.end(), WallAnswer::takes) != answers_.end();
+    }
+    WallAnswer answer(std::uint32_t triangle) const
+    {
+        const std::uint32_t m = material(triangle);
+        return m < answers_.size() ? answers_[m] : WallAnswer::silent;
+    }
 
     /// Lower bound of the distance from a position to any wall, m: one table look-up.
     /// 0 when near; infinite without walls.
@@ -249,6 +263,7 @@ private:
 
     WallGeometry geometry_;
     PeriodicBox box_;
+    std::vector<WallAnswer> answers_;
     std::vector<Triangle> triangles_;
     std::vector<Feature> edges_, vertices_;
     std::vector<Vector3> inward_, outgoing_;

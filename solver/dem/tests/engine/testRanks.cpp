@@ -28,12 +28,14 @@ struct Scene
     double duration = 1e-3;
     int steps = 6;
     bool guarded = true;
+    std::vector<WallAnswer> answers = {};
 };
 
 struct Outcome
 {
     std::map<std::uint64_t, std::vector<double>> particles;      // by id, all that moves
     std::vector<ContactRecord> contacts;
+    std::vector<std::vector<double>> hits;                       // of walls, in no order
     std::size_t impacts = 0, subSteps = 0, merged = 0, shared = 0, separated = 0, free = 0;
 };
 
@@ -97,7 +99,9 @@ Outcome run(const Scene& scene, int ranks)
     {
         GuardedEngine engine(std::make_unique<Engine>(scene.settings, scene.materials,
             Walls(scene.walls, scene.settings.box), exchange));
+        engine.engine().setWallAnswers(scene.answers);
         const int me = exchange.rank();
+        std::vector<std::vector<double>> hits;
         for (int step = 0; step < scene.steps; ++step)
         {
             parts[me] = chosen(all, [&](std::size_t i)
@@ -107,6 +111,9 @@ Outcome run(const Scene& scene, int ranks)
             const StepReport report = scene.guarded
                 ? engine.advance(parts[me], scene.duration, 2)
                 : engine.engine().advance(parts[me], scene.duration);
+            for (const WallHit& hit : report.hits)
+                hits.push_back({double(step), hit.time, double(hit.id), double(hit.triangle),
+                                double(hit.answer), hit.position.x, hit.velocity.x, hit.normal.x});
             exchange.share({});
             if (me == 0)
             {
@@ -120,6 +127,7 @@ Outcome run(const Scene& scene, int ranks)
             exchange.share({});
         }
         const std::lock_guard<std::mutex> lock(mutex);
+        outcome.hits.insert(outcome.hits.end(), hits.begin(), hits.end());
         for (const ContactRecord& record : engine.engine().exportContacts())
             outcome.contacts.push_back(record);
         const Particles& p = parts[me];
@@ -137,6 +145,7 @@ Outcome run(const Scene& scene, int ranks)
                   if (a.first != b.first) return a.first < b.first;
                   return a.second != b.second ? a.second < b.second : a.wall < b.wall;
               });
+    std::sort(outcome.hits.begin(), outcome.hits.end());
     return outcome;
 }
 
@@ -149,6 +158,7 @@ void checkSame(const Outcome& one, const Outcome& many)
     CHECK(many.merged == one.merged);
     CHECK(many.separated == one.separated);
     CHECK(many.free == one.free);
+    CHECK(many.hits == one.hits);
     REQUIRE(many.contacts.size() == one.contacts.size());
     for (std::size_t k = 0; k < one.contacts.size(); ++k)
     {
@@ -314,6 +324,19 @@ TEST_CASE("ranks: more of them than particles")
     checkSame(run(scene, 1), run(scene, 8));
     scene.particles = {};
     checkSame(run(scene, 1), run(scene, 3));
+}
+
+TEST_CASE("ranks: hits of walls that answer are told where the particle is")
+{
+    for (const WallAnswer answer : {WallAnswer::told, WallAnswer::takes})
+    {
+        Scene scene = box(1e15);
+        scene.answers = {answer};
+        scene.steps = 3;
+        const Outcome one = run(scene, 1);
+        CHECK(one.hits.size() > 50);
+        checkSame(one, run(scene, 3));
+    }
 }
 
 TEST_CASE("ranks: what one rank refuses is refused by all")
