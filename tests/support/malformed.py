@@ -60,7 +60,7 @@ EXECUTABLE = [
     '"`touch executed`"',
     '"; touch executed #"',
 ]
-SOLUTION, BLOCKS = "system/fvSolution", "system/blockMeshDict"
+SOLUTION, MESH = "system/fvSolution", "system/blockMeshDict"
 SILENT: list[tuple[str, str, str]] = [
     # OpenFOAM takes these, or goes on with another value: file, entry, and what is appended
     (CONTROL, "purgeWrite", "purgeWrite -1;"),
@@ -179,7 +179,7 @@ def silent_inputs(fields: str) -> Iterator[Input]:
         yield _replaced("silent", f"{fields}/{field}", name, old, new)
     yield Input("twice", "feed", FEED, "seed", appended(FEED, "seed 1;"))
     for number, name in ((0, "scale"), (-0.001, "scale"), (-1, "convertToMeters")):
-        yield Input("silent", "dictionary", BLOCKS, name, appended(BLOCKS, f"{name} {number};"))
+        yield Input("silent", "dictionary", MESH, name, appended(MESH, f"{name} {number};"))
 
 
 def file_inputs(draw: random.Random, file: str, target: str) -> Iterator[Input]:

@@ -10,8 +10,8 @@ namespace elutria::laws
 /// Less is a foam, or a density in g/cm3, kg/m3.
 constexpr double leastDensity = 10;
 
-/// More is a mistake in an exponent, kg/m3.
-constexpr double largestDensity = 1e6;
+/// More is another unit, kg/m3.
+constexpr double largestDensity = 3e4;
 
 /// kg of solids per kg of gas, above which particles meet often enough that their number counts.
 constexpr double largestDiluteLoading = 1;

@@ -92,6 +92,8 @@ const char* make(elutriaSizes** sizes, int weighting, const Make& curve)
 
 
 const double elutriaLeastDensity = leastDensity;
+const double elutriaLargestDensity = largestDensity;
+const double elutriaLargestSize = largestSize;
 const char* const elutriaParticleColumns = particleColumns;
 
 const char* elutriaDragLaws() { return names(dragLaws()); }
@@ -157,18 +159,19 @@ const char* elutriaSettlingSize(const char* name, const elutriaGrain* grain, con
 }
 
 const char* elutriaLawSizes(const char* name, const double* parameters, const double limits[2],
-                            int weighting, elutriaSizes** sizes)
+                            double most, int weighting, elutriaSizes** sizes)
 {
     const SizeLaw* law = findSizeLaw(name);
     if (!law) return keep("no law is named " + std::string(name));
-    return make(sizes, weighting, [=] { return truncated(*law, parameters, limits[0], limits[1]); });
+    return make(sizes, weighting,
+                [=] { return truncated(*law, parameters, limits[0], limits[1], most); });
 }
 
-const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, int weighting,
-                               elutriaSizes** sizes)
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, double most,
+                               int weighting, elutriaSizes** sizes)
 {
     return make(sizes, weighting, [=]
-    { return sieved({diameter, diameter + n}, {finer, finer + n}); });
+    { return sieved({diameter, diameter + n}, {finer, finer + n}, "diameters", most); });
 }
 
 const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes)

@@ -9,8 +9,8 @@
 extern "C" {
 #endif
 
-/* kg/m3, see FeedRules.hpp */
-extern const double elutriaLeastDensity;
+/* kg/m3, kg/m3 and m, see FeedRules.hpp and SizeLaws.hpp */
+extern const double elutriaLeastDensity, elutriaLargestDensity, elutriaLargestSize;
 
 /* Columns of particles.csv, a comma between them */
 extern const char* const elutriaParticleColumns;
@@ -50,13 +50,14 @@ const char* elutriaSettlingSize(const char* law, const elutriaGrain* grain, cons
                                 double* diameter, int n);
 
 /* A size distribution: of a law truncated to limits, of a sieve analysis (numbers, or the
- * text of a csv, see SizeTables.hpp), of several others, or of a single size; from shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its curves
- * have; free it with elutriaFreeSizes(). */
+ * text of a csv, see SizeTables.hpp), none above `most`, of several others, or of a single size;
+ * from shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its
+ * curves have; free it with elutriaFreeSizes(). */
 typedef struct elutriaSizes elutriaSizes;
 const char* elutriaLawSizes(const char* law, const double* parameters, const double limits[2],
-                            int weighting, elutriaSizes** sizes);
-const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, int weighting,
-                               elutriaSizes** sizes);
+                            double most, int weighting, elutriaSizes** sizes);
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, double most,
+                               int weighting, elutriaSizes** sizes);
 const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes);
 const char* elutriaMixedSizes(elutriaSizes* const* parts, const double* shares, int n, int weighting,
                               elutriaSizes** sizes);

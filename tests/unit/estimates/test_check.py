@@ -22,7 +22,8 @@ def whole_plan() -> dict[str, Any]:
     made["feed"] |= {
         "parcels": 2345678, "parcels_asked": 5000, "seed": 12345678, "particles_per_s": 17345.6,
         "materials": [
-            {"name": name, "density_kg_m3": 7850, "sphericity": 0.875, "mass_fraction": 0.333,
+            {"name": name, "density_kg_m3": 7850, "least_density_kg_m3": 7400,
+             "largest_density_kg_m3": 8300, "sphericity": 0.875, "mass_fraction": 0.333,
              "smallest_m": 2e-4, "largest_m": 3e-3, "d10_m": 3.244e-4, "d50_m": 7.719e-4,
              "d90_m": 1.548e-3, "cut_m": 1.333e-3}
             for name in ("ore", "magnetite", "metal")

@@ -12,8 +12,6 @@ from elutria.errors import InputError
 from elutria.openfoam.dictionary import Dictionary
 from elutria.physics import laws
 
-LARGEST = 3e4
-"""kg/m3; more is another unit."""
 ENTRIES = {
     "normal": ("type", "min", "max", "mean", "standardDeviation"),
     "uniform": ("type", "min", "max"),
@@ -44,16 +42,22 @@ def read_density(material: Dictionary) -> float:
 def _curve(entry: Dictionary, kind: str) -> laws.Sizes:
     if kind == "table":
         densities = entry.numbers("densities")
-        if min(densities) < laws.least_density() or max(densities) > LARGEST:
+        if min(densities) < laws.least_density() or max(densities) > laws.largest_density():
             raise entry.refuse(
-                "densities", f"rising, from {laws.least_density():g} to {LARGEST:g} (kg/m3)"
+                "densities",
+                f"rising, from {laws.least_density():g} to {laws.largest_density():g} (kg/m3)",
             )
-        return laws.sieved_sizes(densities, entry.numbers("cumulative"), "mass")
+        return laws.sieved_sizes(
+            densities, entry.numbers("cumulative"), "mass", laws.largest_density()
+        )
     names = ("mean", "standardDeviation") if kind == "normal" else ()
-    parameters = [entry.number(name, above=0, at_most=LARGEST, unit="kg/m3") for name in names]
+    most = laws.largest_density()
+    parameters = [entry.number(name, above=0, at_most=most, unit="kg/m3") for name in names]
     low, high = (_density(entry, name) for name in ("min", "max"))
-    return laws.law_sizes(kind, parameters, low, high, "mass")
+    return laws.law_sizes(kind, parameters, low, high, "mass", most)
 
 
 def _density(entry: Dictionary, name: str) -> float:
-    return entry.number(name, at_least=laws.least_density(), at_most=LARGEST, unit="kg/m3")
+    return entry.number(
+        name, at_least=laws.least_density(), at_most=laws.largest_density(), unit="kg/m3"
+    )

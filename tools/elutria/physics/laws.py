@@ -49,8 +49,14 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
         [c_char_p, POINTER(_Grain), _NUMBERS, c_double, _NUMBERS, _NUMBERS, _NUMBERS, c_int],
     ),
     "elutriaEllipsoidSphericity": (c_double, [c_double, c_double]),
-    "elutriaLawSizes": (c_char_p, [c_char_p, _NUMBERS, _NUMBERS, c_int, POINTER(c_void_p)]),
-    "elutriaSievedSizes": (c_char_p, [_NUMBERS, _NUMBERS, c_int, c_int, POINTER(c_void_p)]),
+    "elutriaLawSizes": (
+        c_char_p,
+        [c_char_p, _NUMBERS, _NUMBERS, c_double, c_int, POINTER(c_void_p)],
+    ),
+    "elutriaSievedSizes": (
+        c_char_p,
+        [_NUMBERS, _NUMBERS, c_int, c_double, c_int, POINTER(c_void_p)],
+    ),
     "elutriaSieveTable": (c_char_p, [c_char_p, c_double, c_int, POINTER(c_void_p)]),
     "elutriaMixedSizes": (
         c_char_p,
@@ -108,7 +114,21 @@ def _check(complaint: bytes | None) -> None:
 
 def least_density() -> float:
     """Density (kg/m3) below which a material of the feed is refused."""
-    return float(c_double.in_dll(_library(), "elutriaLeastDensity").value)
+    return _constant("elutriaLeastDensity")
+
+
+def largest_density() -> float:
+    """Density (kg/m3) above which a material of the feed is refused."""
+    return _constant("elutriaLargestDensity")
+
+
+def largest_size() -> float:
+    """Size (m) above which a feed is refused."""
+    return _constant("elutriaLargestSize")
+
+
+def _constant(name: str) -> float:
+    return float(c_double.in_dll(_library(), name).value)
 
 
 def particle_columns() -> tuple[str, ...]:
@@ -260,20 +280,31 @@ class Sizes:
         return cls("elutriaMixedSizes", pointers, _numbers(own), own.size, _by(weighting))
 
 
-def law_sizes(law: str, parameters: list[float], low: float, high: float, weighting: str) -> Sizes:
-    """Of a law between two limits. Raises ValueError that says what is allowed."""
+def law_sizes(
+    law: str, parameters: list[float], low: float, high: float, weighting: str,
+    most: float | None = None,
+) -> Sizes:  # fmt: skip
+    """Of a law between two limits, none above `most`, by default the largest size. Raises
+    ValueError that says what is allowed."""
+    most = largest_size() if most is None else most
     limits = _numbers(_array([low, high]))
     return Sizes(
-        "elutriaLawSizes", law.encode(), _numbers(_array(parameters)), limits, _by(weighting)
+        "elutriaLawSizes", law.encode(), _numbers(_array(parameters)), limits, most, _by(weighting)
     )
 
 
-def sieved_sizes(diameters: list[float], finer: list[float], weighting: str) -> Sizes:
-    """Of a sieve analysis. Raises ValueError that says what is allowed."""
+def sieved_sizes(
+    diameters: list[float], finer: list[float], weighting: str, most: float | None = None
+) -> Sizes:
+    """Of a sieve analysis, none above `most`, by default the largest size. Raises ValueError that
+    says what is allowed."""
+    most = largest_size() if most is None else most
     if len(diameters) != len(finer):
         raise ValueError("diameters, cumulative: allowed: lists of the same length")
     at, shares = _array(diameters), _array(finer)
-    return Sizes("elutriaSievedSizes", _numbers(at), _numbers(shares), at.size, _by(weighting))
+    return Sizes(
+        "elutriaSievedSizes", _numbers(at), _numbers(shares), at.size, most, _by(weighting)
+    )
 
 
 def sieve_table(text: str, low: float, weighting: str) -> Sizes:

@@ -1,5 +1,6 @@
 // Feeds of intergrown grains: exact masses, and the stated densities at every size.
 #include "DensityScatter.hpp"
+#include "FeedRules.hpp"
 #include "StratifiedFeed.hpp"
 
 #include "near.hpp"
@@ -17,7 +18,7 @@ const double spread[]{4000, 300};
 
 DensityScatter normal()
 {
-    return DensityScatter(truncated(*findSizeLaw("normal"), spread, 3200, 4800));
+    return DensityScatter(truncated(*findSizeLaw("normal"), spread, 3200, 4800, largestDensity));
 }
 
 SizeCurves sizes()
