@@ -126,11 +126,11 @@ def _materials(plan: dict[str, Any]) -> Table:
 
 
 def _density(material: dict[str, Any]) -> str:
-    """The density, and its range where it scatters."""
+    """The density, and below it its range where it scatters."""
     mean, least, largest = (
         f"{material[f'{kind}density_kg_m3']:.5g}" for kind in ("", "least_", "largest_")
     )
-    return mean if least == largest else f"{mean} ({least}..{largest})"
+    return mean if least == largest else f"{mean}\n{least}..\n{largest}"
 
 
 def _cut(size: float | None, smallest: float, largest: float) -> str:
