@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from elutria.classification import classify
 from elutria.classification.events import Account, Events, Run
+from elutria.classification.fit import PartitionFit, fit_partition
 from elutria.classification.precision import Precision, d50_half_width
 from elutria.errors import InputError
 from tests.support.sweeps import sweep
@@ -75,3 +77,20 @@ def test_a_sweep_runs_replicates_until_it_is_precise_and_none_twice(
 def test_what_stays_imprecise_is_said(column: Path, tmp_path: Path) -> None:
     result = sweep(column, tmp_path / "out", "5", precision=Precision(0.002, most_runs=2))
     assert result.imprecise == ["5 m/s"]
+
+
+def test_the_same_events_are_fitted_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sweep asks for a run's cut when it plans and when it writes; other events are fitted."""
+    fitted: list[int] = []
+
+    def counted(diameter: np.ndarray, *rest: np.ndarray) -> PartitionFit:
+        fitted.append(len(diameter))
+        return fit_partition(diameter, *rest)
+
+    monkeypatch.setattr(classify, "fit_partition", counted)
+    run = run_of(307)
+    first = d50_half_width(run)
+    assert d50_half_width(run_of(307)) == first
+    assert fitted == [307]
+    assert d50_half_width(run_of(307, cut=501e-6)) != first
+    assert fitted == [307, 307]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from math import exp, inf, nan
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,10 @@ from elutria.files import write_csv
 from elutria.warned import Warned
 
 Row = dict[str, Any]
+
+_FITTED: dict[bytes, PartitionFit] = {}
+"""By what was fitted; the oldest go first."""
+_MOST_FITTED = 256
 
 
 @dataclass
@@ -122,10 +127,16 @@ def _limits(events: Events, fits: dict[str, PartitionFit]) -> NDArray[np.float64
 
 
 def fit_events(events: Events) -> PartitionFit:
-    """The partition curve of what has left; at equal size a parcel weighs number x density."""
+    """The partition curve of what has left; at equal size a parcel weighs number x density. The
+    same events, asked for again, are not fitted again."""
     left = events.select(events.has_left)
-    weight = left.number * left.density
-    return fit_partition(left.diameter, left.is_coarse, weight, left.time)
+    columns = left.diameter, left.is_coarse, left.number * left.density, left.time
+    digest = sha256(b"".join(np.ascontiguousarray(column).tobytes() for column in columns)).digest()
+    if digest not in _FITTED:
+        while len(_FITTED) >= _MOST_FITTED:
+            del _FITTED[next(iter(_FITTED))]
+        _FITTED[digest] = fit_partition(*columns)
+    return _FITTED[digest]
 
 
 def _summary(run: Run, name: str, events: Events, fit: PartitionFit, wall_time: float) -> Row:
