@@ -40,18 +40,13 @@ def read_density(material: Dictionary) -> float:
 
 
 def _curve(entry: Dictionary, kind: str) -> laws.Sizes:
+    least, most = laws.least_density(), laws.largest_density()
     if kind == "table":
         densities = entry.numbers("densities")
-        if min(densities) < laws.least_density() or max(densities) > laws.largest_density():
-            raise entry.refuse(
-                "densities",
-                f"rising, from {laws.least_density():g} to {laws.largest_density():g} (kg/m3)",
-            )
-        return laws.sieved_sizes(
-            densities, entry.numbers("cumulative"), "mass", laws.largest_density()
-        )
+        if min(densities) < least or max(densities) > most:
+            raise entry.refuse("densities", f"rising, from {least:g} to {most:g} (kg/m3)")
+        return laws.sieved_sizes(densities, entry.numbers("cumulative"), "mass", most)
     names = ("mean", "standardDeviation") if kind == "normal" else ()
-    most = laws.largest_density()
     parameters = [entry.number(name, above=0, at_most=most, unit="kg/m3") for name in names]
     low, high = (_density(entry, name) for name in ("min", "max"))
     return laws.law_sizes(kind, parameters, low, high, "mass", most)
