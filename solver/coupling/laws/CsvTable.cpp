@@ -1,6 +1,7 @@
 #include "CsvTable.hpp"
 
 #include <cmath>
+#include <exception>
 #include <sstream>
 #include <stdexcept>
 

@@ -3,6 +3,7 @@
 #include "core/TooMuchWork.hpp"
 #include "parallel/Message.hpp"
 
+#include <exception>
 #include <stdexcept>
 
 namespace elutria::dem

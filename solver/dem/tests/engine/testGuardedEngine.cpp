@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <exception>
 #include <random>
 #include <stdexcept>
 #include <string>

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <exception>
 #include <functional>
 #include <stdexcept>
 #include <string>

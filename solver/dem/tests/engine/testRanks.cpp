@@ -7,10 +7,13 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <random>
+#include <stdexcept>
 
 // Particles distributed over ranks: the result is to the bit that of one rank.
 
