@@ -5,12 +5,16 @@ from __future__ import annotations
 import shlex
 import shutil
 import sys
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 HERE = Path(__file__).resolve().parent
 COLUMN = HERE.parent / "cases/column"
+gathered: Counter[tuple[str, str, str]] = Counter()
+"""What the processes that ran the tests found of malformed inputs."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -30,14 +34,32 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
 
 
+def outcomes() -> Counter[tuple[str, str, str]]:
+    """Of malformed inputs, in this process: number by kind, command and outcome."""
+    found: Counter[tuple[str, str, str]] = getattr(
+        sys.modules.get("tests.support.malformed"), "outcomes", Counter()
+    )
+    return found
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if hasattr(session.config, "workeroutput"):  # one of several processes
+        session.config.workeroutput["malformed"] = [[*key, n] for key, n in outcomes().items()]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    for *key, number in getattr(node, "workeroutput", {}).get("malformed", []):
+        gathered[tuple(key)] += number
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Malformed inputs by kind, command and outcome, where such tests ran."""
-    outcomes = getattr(sys.modules.get("tests.support.malformed"), "outcomes", {})
-    if outcomes:
+    found = outcomes() + gathered
+    if found:
         terminalreporter.section("malformed inputs: kind, command, outcome, number")
-        for (kind, command, outcome), number in sorted(outcomes.items()):
+        for (kind, command, outcome), number in sorted(found.items()):
             terminalreporter.write_line(f"{kind:17} {command:12} {outcome:8} {number}")
-        terminalreporter.write_line(f"{'all':39} {sum(outcomes.values())}")
+        terminalreporter.write_line(f"{'all':39} {sum(found.values())}")
 
 
 @pytest.fixture

@@ -277,7 +277,7 @@ def plot(
     formats: FormatOption = None,
 ) -> None:
     """Draw the figures again from the csv files."""
-    _plot(results, formats)
+    _plot(results, formats, again=True)
 
 
 @app.command(epilog="Example: elutria report results/column --to column.html --pdf")
@@ -450,7 +450,7 @@ def _warn(runs: Mapping[str, list[Warned]]) -> None:
 
 
 def _show(tables: Classification, wide: bool, folder: Path) -> None:
-    from elutria.output.plots import read_theory
+    from elutria.output.results import read_theory
     from elutria.output.settings import Settings
     from elutria.output.terminal import print_table, summary_table
     from elutria.tables import product_names
@@ -464,10 +464,17 @@ def _show(tables: Classification, wide: bool, folder: Path) -> None:
             console.print("every column: summary.csv, or --wide", style="dim")
 
 
-def _plot(folder: Path, formats: list[str] | None = None) -> None:
-    from elutria.output.plots import write_figures
+def _plot(folder: Path, formats: list[str] | None, again: bool = False) -> None:
+    """Draw the figures of RESULTS where they are older than its tables, or `again`; name them."""
+    from elutria.output.results import current_figures, formats_of
 
-    for path in write_figures(folder, formats or ["png"]):
+    wanted = formats_of(formats or ())
+    figures = [] if again else current_figures(folder, wanted)
+    if not figures:
+        from elutria.output.plots import write_figures
+
+        figures = write_figures(folder, wanted)
+    for path in figures:
         console.print(str(path), highlight=False, soft_wrap=True)
 
 

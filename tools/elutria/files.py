@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import io
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -70,13 +71,18 @@ def write_json(path: Path, content: Any) -> None:
 def write_csv(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
     """Write `rows` (a mapping per row with at least `columns`) with a header line.
 
-    Numbers are written so that they read back to the same value; a missing one is ``nan``.
+    Numbers are written so that they read back to the same value; a missing one is ``nan``. A table
+    that is there already keeps its time: what was made of it is still new.
     """
-    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(columns)
-        for row in rows:
-            table.writerow([_cell(row[name]) for name in columns])
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    for row in rows:
+        table.writerow([_cell(row[name]) for name in columns])
+    content = text.getvalue().encode()
+    if not (path.is_file() and path.read_bytes() == content):
+        with atomic_write(path) as temporary:
+            temporary.write_bytes(content)
 
 
 def _cell(value: Any) -> str:

@@ -17,6 +17,7 @@ from elutria.classification.classify import Classification, classify
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
 from elutria.output.partition_figure import class_mean
+from elutria.output.results import current_figures, read_results
 from elutria.output.style import looks
 from tests.support.synthetic import MATERIALS, synthetic
 
@@ -105,7 +106,7 @@ def test_one_line_of_points_has_no_contours(tmp_path: Path) -> None:
 def drawn(tmp_path: Path) -> dict[str, Figure]:
     """The figures of a sweep with two materials, by name."""
     folder = results(tmp_path, [4.0, 5.0, 6.0], list(MATERIALS))
-    made = plots.figures(plots.read_results(folder))
+    made = plots.figures(read_results(folder))
     return {f"{name}.png": figure for name, (figure, _, _) in made.items()}
 
 
@@ -146,7 +147,7 @@ def test_products_are_told_apart_without_colour(drawn: dict[str, Figure]) -> Non
 @pytest.mark.parametrize("number", [3, 9])
 def test_each_setting_has_its_panel(tmp_path: Path, number: int) -> None:
     velocities = [4.0, 5.0, 6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0][:number]
-    read = plots.read_results(results(tmp_path, velocities, ["quartz"]))
+    read = read_results(results(tmp_path, velocities, ["quartz"]))
     figure, columns, rows = plots.figures(read)["size_distributions"]
     shown = [axes for axes in figure.axes if axes.get_visible()]
     assert [axes.texts[0].get_text() for axes in shown] == [f"{u:g} m/s" for u in velocities]
@@ -185,7 +186,7 @@ def test_points_lie_on_what_the_curve_is_over_their_class() -> None:
 
 
 def test_a_decade_of_cut_sizes_makes_the_axis_logarithmic(tmp_path: Path) -> None:
-    read = plots.read_results(results(tmp_path, [4.0, 5.0], ["quartz"]))
+    read = read_results(results(tmp_path, [4.0, 5.0], ["quartz"]))
     scales = []
     for factor in (1.0, 30.0):
         read.summary[-2]["d50_m"] *= factor
@@ -201,7 +202,7 @@ def test_what_a_sweep_varied_beside_the_velocity_parts_the_series(tmp_path: Path
         head, *rows = (folder / f"{name}.csv").read_text().splitlines()
         rows = [f"{row},{loading}" for loading in (0.1, 0.5) for row in rows]
         (folder / f"{name}.csv").write_text("\n".join([f"{head},loading", *rows]) + "\n")
-    read = plots.read_results(folder)
+    read = read_results(folder)
     labels = [read.settings.label(setting) for setting in read.settings.all]
     assert labels == [f"{u} m/s, loading {x}" for u in (4, 6) for x in (0.1, 0.5)]
     figure, columns, rows = plots.figures(read)["partition_curves"]
@@ -223,7 +224,7 @@ def test_the_drawn_curve_passes_through_the_cut(tmp_path: Path) -> None:
 
 def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> None:
     folder = results(tmp_path, [4.0, 5.0], ["quartz"])
-    found = plots.read_results(folder)
+    found = read_results(folder)
     figure = Figure()
     plots._caption(figure, found.settings, found.summary)
     assert not [text for text in figure.findobj(Text) if text.get_text()]
@@ -236,7 +237,7 @@ def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> N
 
 def test_axes_keep_their_labels_beside_warnings(tmp_path: Path) -> None:
     for velocities in ([5.0], [4.0, 4.5, 5.0, 5.5], [3 + 0.5 * k for k in range(9)]):
-        found = plots.read_results(results(tmp_path, velocities, ["quartz"]))
+        found = read_results(results(tmp_path, velocities, ["quartz"]))
         for row in found.summary:
             row["warnings"] = 1.0
         figure = plots.figures(found)["size_distributions"][0]
@@ -257,10 +258,32 @@ def test_products_have_the_names_of_the_case(tmp_path: Path) -> None:
             own = {"material": row["material"], "product": name, "product_kg": mass}
             rows.append(dict.fromkeys(tables.PRODUCT_PARTITION, 0.0) | own)
     write_csv(folder / "product_partition.csv", tables.PRODUCT_PARTITION, rows)
-    found = plots.read_results(folder)
+    found = read_results(folder)
     assert found.products == {"fines": "light + dust", "coarse": "heavy"}
     figures = plots.figures(found)
     assert "to heavy" in figures["partition_curves"][0].axes[0].get_ylabel()
     words = {text.get_text() for text in figures["size_distributions"][0].findobj(Text)}
     assert {"feed", "light + dust", "heavy"} <= words
     assert not {"fines", "coarse"} & words
+
+
+def test_figures_are_as_new_as_the_tables_or_not_current(tmp_path: Path) -> None:
+    folder = results(tmp_path, [4.0, 6.0], ["quartz"])
+    assert current_figures(folder, ["png"]) == []
+    written = plots.write_figures(folder)
+    assert current_figures(folder, ["png"]) == written
+    assert current_figures(folder, ["png", "svg"]) == []
+    results(folder, [4.0, 6.0], ["quartz"])  # the same tables
+    assert current_figures(folder, ["png"]) == written
+    results(folder, [4.0, 5.0, 6.0], ["quartz"])
+    assert current_figures(folder, ["png"]) == []
+    plots.write_figures(folder)
+    written[0].unlink()
+    assert current_figures(folder, ["png"]) == []
+
+
+def test_figures_of_two_settings_are_current_with_their_contours(tmp_path: Path) -> None:
+    folder = grid_results(tmp_path, [0.1, 0.3, 0.5])
+    written = plots.write_figures(folder)
+    assert "contours.png" in [figure.name for figure in written]
+    assert sorted(current_figures(folder, ["png"])) == sorted(written)

@@ -18,7 +18,7 @@ from elutria.classification.curves import MODELS
 from elutria.classification.events import Account, Events, Run, read_run
 from elutria.errors import ElutriaError, InputError
 from elutria.files import read_csv
-from elutria.output.plots import read_results
+from elutria.output.results import read_results
 from elutria.pages import atlas
 from elutria.pages.atlas import content, write_atlas
 from elutria.pages.browser import find_browser, run_browser

@@ -15,7 +15,7 @@ from elutria import tables
 from elutria.cli import main
 from elutria.errors import InputError
 from elutria.files import read_csv
-from elutria.output.plots import read_results
+from elutria.output.results import read_results
 from elutria.pages import report
 from elutria.pages.browser import find_browser, run_browser
 from elutria.pages.report import write_report

@@ -15,7 +15,8 @@ from elutria.comparing.figure import comparison_figure
 from elutria.comparing.measured import FEWEST, read_measured
 from elutria.errors import InputError, one_line
 from elutria.files import write_csv, write_json
-from elutria.output.plots import FORMATS, Results, read_results, save_styled
+from elutria.output.plots import save_styled
+from elutria.output.results import Results, formats_of, read_results
 from elutria.output.settings import Row, Setting, materials_of
 from elutria.pages.runs import find_runs
 from elutria.tables import VELOCITY, shown
@@ -34,9 +35,7 @@ def write_comparison(
     Writes comparison.csv, comparison.json and the figures to `to`. Raises InputError for what
     cannot be compared.
     """
-    for name in formats:
-        if name not in FORMATS:
-            raise InputError(f"--format {name}; allowed: {', '.join(FORMATS)}")
+    formats = formats_of(formats)
     results = read_results(folder)
     measured = read_measured(file, results.settings.columns)
     chosen = {**({} if velocity is None else {VELOCITY: velocity}), **measured.chosen}

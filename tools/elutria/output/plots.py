@@ -3,77 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from elutria import tables
-from elutria.errors import InputError
-from elutria.files import read_csv, write_csv
+from elutria.files import write_csv
 from elutria.output.contour_figure import contour_figure, contour_settings
 from elutria.output.cut_size_figure import cut_size_figure
 from elutria.output.partition_figure import partition_figure
 from elutria.output.planes_figure import planes_figure
+from elutria.output.results import OPTIONAL, Results, formats_of, optional, read_results
 from elutria.output.settings import Row, Settings, products_of
 from elutria.output.size_figure import size_figure
 from elutria.output.style import STYLE, save
 
-FORMATS = ("png", "svg", "pdf")
 
-
-@dataclass(frozen=True)
-class Results:
-    """The tables of a sweep or a run that figures are drawn from."""
-
-    summary: list[Row]
-    partition: list[Row]
-    curves: list[Row]
-    theory: list[Row]
-    settings: Settings
-    products: dict[str, str]
-    """What the case calls `fines` and `coarse`."""
-
-
-def read_results(folder: Path) -> Results:
-    """The tables of RESULTS. Raises InputError when they are not there."""
-    if folder.is_dir() and not (folder / "summary.csv").exists():
-        raise InputError(
-            f"{folder}: has no summary.csv; allowed: results of 'elutria sweep' or 'elutria run', "
-            "or of a run after 'elutria classify'"
-        )
-    summary = read_csv(folder / "summary.csv", tables.FIRST)
-    partition = read_csv(folder / "partition.csv", tables.PARTITION)
-    if not summary or not partition:
-        raise InputError(f"{folder / 'summary.csv'}: holds no rows; nothing to draw")
-    curves = optional(folder / "curve.csv", tables.CURVE)
-    lines = read_theory(folder)
-    by_product = optional(folder / "product_partition.csv", tables.PRODUCT_PARTITION)
-    products = tables.product_names(partition, by_product)
-    return Results(summary, partition, curves, lines, Settings(summary, partition), products)
-
-
-def read_theory(folder: Path) -> list[Row]:
-    """Cut sizes of the terminal velocity, where RESULTS has them."""
-    return optional(folder / "theory.csv", tables.THEORY)
-
-
-def write_figures(folder: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
+def write_figures(folder: Path, formats: Sequence[str] = ()) -> list[Path]:
     """All figures of RESULTS in each of `formats`, and the csv file of each; gives the figures."""
-    for name in formats:
-        if name not in FORMATS:
-            raise InputError(f"--format {name}; allowed: {', '.join(FORMATS)}")
+    formats = formats_of(formats)
     results = read_results(folder)
-    written = []
-    for name, (figure, columns, rows) in figures(results).items():
-        write_csv(folder / f"{name}.csv", columns, rows)
-        written += [save_styled(figure, folder / f"{name}.{suffix}") for suffix in formats]
+    drawn = figures(results)
     stages = optional(folder / "stages.csv", tables.STAGES)
+    written = []
     if stages:
         with mpl.rc_context(STYLE):
             counted = planes_figure(optional(folder / "zones.csv", tables.ZONES), stages)
         written += [save_styled(counted, folder / f"planes.{suffix}") for suffix in formats]
+    for name in sorted(drawn, key=lambda name: name not in OPTIONAL):
+        figure, columns, rows = drawn[name]
+        write_csv(folder / f"{name}.csv", columns, rows)
+        written += [save_styled(figure, folder / f"{name}.{suffix}") for suffix in formats]
     return written
 
 
@@ -117,8 +78,3 @@ def _caption(figure: Figure, settings: Settings, summary: list[Row]) -> None:
         runs = "; ".join(settings.label(one) for one in settings.all if one in warned)
         said = f"With warnings (warnings.json of the runs): {runs}"
         figure.supxlabel(said, fontsize=6, color="0.35", wrap=True)
-
-
-def optional(path: Path, columns: tuple[str, ...]) -> list[Row]:
-    """Rows of a table that need not be there."""
-    return read_csv(path, columns) if path.exists() or path.is_symlink() else []

@@ -22,7 +22,7 @@ from elutria.case.feed import Material
 from elutria.classification.events import Events, join, read_run
 from elutria.errors import ElutriaError, InputError
 from elutria.files import write_text
-from elutria.output.plots import Results, read_results
+from elutria.output.results import Results, read_results
 from elutria.output.settings import Row, Setting, column, materials_of, products_of
 from elutria.output.style import MATERIAL_COLOURS
 from elutria.pages.report import refuse_other_names, templates

@@ -19,7 +19,8 @@ from elutria.case.case import SEED, VELOCITY
 from elutria.errors import InputError
 from elutria.files import write_text
 from elutria.output.partition_figure import compared
-from elutria.output.plots import Results, figures, optional, read_results
+from elutria.output.plots import figures
+from elutria.output.results import Results, optional, read_results
 from elutria.output.settings import Row, materials_of
 from elutria.output.style import MATERIAL_COLOURS, STYLE, looks
 from elutria.pages.geometry import outline_figure, read_outline
