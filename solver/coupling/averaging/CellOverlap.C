@@ -25,7 +25,7 @@ scalar CellOverlap::part
     {
         const FacePlane& plane = planes_[facei];
         const scalar outwards = mesh_.faceOwner()[facei] == celli ? 1 : -1;
-        part *= inside(outwards*(plane.offset - (centre & plane.normal)), b);
+        part *= inside(-outwards*plane.beyond(centre), b);
         if (part <= 0)
         {
             break;
@@ -45,7 +45,7 @@ scalar CellOverlap::partBeyond
     scalar part = 1;
     for (const FacePlane& plane : beyond_.planes(i))
     {
-        part *= inside(plane.offset - (centre & plane.normal), b);
+        part *= inside(-plane.beyond(centre), b);
     }
     return part;
 }
@@ -80,16 +80,10 @@ void CellOverlap::findAround(const label celli)
 CellOverlap::CellOverlap(const fvMesh& mesh)
 :
     mesh_(mesh),
-    planes_(mesh.nFaces()),
+    planes_(facePlanes(mesh)),
     beyond_(mesh),
     reach_(mesh.nCells(), GREAT)
 {
-    forAll(planes_, facei)
-    {
-        const vector& area = mesh.faceAreas()[facei];
-        const vector normal(area/mag(area));
-        planes_[facei] = {normal, normal & mesh.faceCentres()[facei]};
-    }
     forAll(mesh.cells(), celli)
     {
         scalar area = 0;

@@ -113,8 +113,7 @@ List<FacePlane> planesOf(const CellsBeyond::Cell& cell)
     List<FacePlane> planes(cell.normals.size());
     forAll(planes, i)
     {
-        const vector& normal = cell.normals[i];
-        planes[i] = {normal, normal & cell.faceCentres[i]};
+        planes[i] = FacePlane(cell.normals[i], cell.faceCentres[i]);
     }
     return planes;
 }

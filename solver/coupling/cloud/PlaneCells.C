@@ -31,23 +31,22 @@ bool PlaneCells::isPlain(const label celli) const
 {
     for (const label facei : mesh_.cells()[celli])
     {
-        const Plane& plane = planes_[facei];
+        const FacePlane& plane = planes_[facei];
         const scalar size = sqrt(mag(mesh_.faceAreas()[facei]));
         const scalar outwards = mesh_.faceOwner()[facei] == celli ? 1 : -1;
         for (const label pointi : mesh_.cellPoints()[celli])
         {
-            const scalar distance =
-                (mesh_.points()[pointi] & plane.normal) - plane.offset;
-            if (outwards*distance > flatness*size)
+            if
+            (
+                outwards*plane.beyond(mesh_.points()[pointi]) > flatness*size
+            )
             {
                 return false;
             }
         }
         for (const label pointi : mesh_.faces()[facei])
         {
-            const scalar distance =
-                (mesh_.points()[pointi] & plane.normal) - plane.offset;
-            if (mag(distance) > flatness*size)
+            if (mag(plane.beyond(mesh_.points()[pointi])) > flatness*size)
             {
                 return false;
             }
@@ -69,13 +68,12 @@ label PlaneCells::exit
     scalar firstPart = GREAT;
     for (const label facei : mesh_.cells()[celli])
     {
-        const Plane& plane = planes_[facei];
+        const FacePlane& plane = planes_[facei];
         const scalar outwards = owner[facei] == celli ? 1 : -1;
-        const scalar beyond = outwards*((to & plane.normal) - plane.offset);
+        const scalar beyond = outwards*plane.beyond(to);
         if (beyond > 0)
         {
-            const scalar before =
-                outwards*(plane.offset - (from & plane.normal));
+            const scalar before = -outwards*plane.beyond(from);
             const scalar part = max(before, scalar(0))/(before + beyond);
             if (part < firstPart)
             {
@@ -93,15 +91,9 @@ label PlaneCells::exit
 PlaneCells::PlaneCells(const polyMesh& mesh)
 :
     mesh_(mesh),
-    planes_(mesh.nFaces()),
+    planes_(facePlanes(mesh)),
     plain_(mesh.nCells())
 {
-    forAll(planes_, facei)
-    {
-        const vector& area = mesh.faceAreas()[facei];
-        const vector normal(area/max(mag(area), VSMALL));
-        planes_[facei] = {normal, normal & mesh.faceCentres()[facei]};
-    }
     forAll(plain_, celli)
     {
         plain_[celli] = isPlain(celli);
