@@ -167,11 +167,11 @@ const char* elutriaLawSizes(const char* name, const double* parameters, const do
                 [=] { return truncated(*law, parameters, limits[0], limits[1], most); });
 }
 
-const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, double most,
-                               int weighting, elutriaSizes** sizes)
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n,
+                               const char* named, double most, int weighting, elutriaSizes** sizes)
 {
     return make(sizes, weighting, [=]
-    { return sieved({diameter, diameter + n}, {finer, finer + n}, "diameters", most); });
+    { return sieved({diameter, diameter + n}, {finer, finer + n}, named, most); });
 }
 
 const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes)
@@ -188,7 +188,8 @@ const char* elutriaMixedSizes(elutriaSizes* const* parts, const double* shares, 
         for (int i = 0; i < n; ++i)
         {
             const SizeCurves& own = parts[i]->curves;
-            curves.push_back({own.diameters(), weighting == 0 ? own.massFiner() : own.numberFiner()});
+            const auto& finer = weighting == 0 ? own.massFiner() : own.numberFiner();
+            curves.push_back({own.diameters(), finer, own.limits()});
         }
         return mixed(curves, {shares, shares + n});
     });

@@ -49,15 +49,15 @@ const char* elutriaSettlingSize(const char* law, const elutriaGrain* grain, cons
                                 double gravity, const double limits[2], const double* velocity,
                                 double* diameter, int n);
 
-/* A size distribution: of a law truncated to limits, of a sieve analysis (numbers, or the
- * text of a csv, see SizeTables.hpp), none above `most`, of several others, or of a single size;
- * from shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how many points its
- * curves have; free it with elutriaFreeSizes(). */
+/* A size distribution: of a law truncated to limits; of a sieve analysis, none above `most` (numbers,
+ * which messages call as `named` says, or the text of a csv, see SizeTables.hpp); of several others; or
+ * of a single size. From shares of mass (weighting 0) or of number (1). elutriaSizePoints() says how
+ * many points its curves have; free it with elutriaFreeSizes(). */
 typedef struct elutriaSizes elutriaSizes;
 const char* elutriaLawSizes(const char* law, const double* parameters, const double limits[2],
                             double most, int weighting, elutriaSizes** sizes);
-const char* elutriaSievedSizes(const double* diameter, const double* finer, int n, double most,
-                               int weighting, elutriaSizes** sizes);
+const char* elutriaSievedSizes(const double* diameter, const double* finer, int n,
+                               const char* named, double most, int weighting, elutriaSizes** sizes);
 const char* elutriaSieveTable(const char* csv, double min, int weighting, elutriaSizes** sizes);
 const char* elutriaMixedSizes(elutriaSizes* const* parts, const double* shares, int n, int weighting,
                               elutriaSizes** sizes);

@@ -34,8 +34,7 @@ def read_density(material: Dictionary) -> float:
     try:
         density, lighter, *_ = _curve(entry, kind).curves()
     except ValueError as error:
-        said = str(error).replace("diameters", "densities")
-        raise InputError(f"{entry.where()}: {said}") from error
+        raise InputError(f"{entry.where()}: {error}") from error
     return float(np.sum(np.diff(lighter) * (density[1:] + density[:-1]) / 2))
 
 
@@ -45,7 +44,8 @@ def _curve(entry: Dictionary, kind: str) -> laws.Sizes:
         densities = entry.numbers("densities")
         if min(densities) < least or max(densities) > most:
             raise entry.refuse("densities", f"rising, from {least:g} to {most:g} (kg/m3)")
-        return laws.sieved_sizes(densities, entry.numbers("cumulative"), "mass", most)
+        cumulative = entry.numbers("cumulative")
+        return laws.sieved_sizes(densities, cumulative, "mass", most, "densities")
     names = ("mean", "standardDeviation") if kind == "normal" else ()
     parameters = [entry.number(name, above=0, at_most=most, unit="kg/m3") for name in names]
     low, high = (_density(entry, name) for name in ("min", "max"))

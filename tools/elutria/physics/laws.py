@@ -55,7 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, list[Any]]] = {
     ),
     "elutriaSievedSizes": (
         c_char_p,
-        [_NUMBERS, _NUMBERS, c_int, c_double, c_int, POINTER(c_void_p)],
+        [_NUMBERS, _NUMBERS, c_int, c_char_p, c_double, c_int, POINTER(c_void_p)],
     ),
     "elutriaSieveTable": (c_char_p, [c_char_p, c_double, c_int, POINTER(c_void_p)]),
     "elutriaMixedSizes": (
@@ -294,17 +294,19 @@ def law_sizes(
 
 
 def sieved_sizes(
-    diameters: list[float], finer: list[float], weighting: str, most: float | None = None
-) -> Sizes:
+    diameters: list[float], finer: list[float], weighting: str, most: float | None = None,
+    named: str = "diameters",
+) -> Sizes:  # fmt: skip
     """Of a sieve analysis, none above `most`, by default the largest size. Raises ValueError that
-    says what is allowed."""
+    says what is allowed of what messages call `named`."""
     most = largest_size() if most is None else most
     if len(diameters) != len(finer):
-        raise ValueError("diameters, cumulative: allowed: lists of the same length")
+        raise ValueError(f"{named}, cumulative: allowed: lists of the same length")
     at, shares = _array(diameters), _array(finer)
     return Sizes(
-        "elutriaSievedSizes", _numbers(at), _numbers(shares), at.size, most, _by(weighting)
-    )
+        "elutriaSievedSizes", _numbers(at), _numbers(shares), at.size, named.encode(), most,
+        _by(weighting),
+    )  # fmt: skip
 
 
 def sieve_table(text: str, low: float, weighting: str) -> Sizes:
