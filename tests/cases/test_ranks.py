@@ -15,6 +15,7 @@ from elutria import tables
 from elutria_validation.harness.box import CLOSED, PERIODIC, BoxCase, Contacts, Pair, Treatment
 from elutria_validation.harness.cases import (
     CONTROL,
+    PLAN,
     add_feed,
     change,
     material,
@@ -206,6 +207,26 @@ def test_two_way_coupled_rows_are_alike_but_for_what_contacts_make_of_rounding(
     both = pd.concat([one, two], axis=1)
     elsewhere = float((both["1"] != both["2"]).mean())
     measured("share of parcels that leave elsewhere", elsewhere, 0.01)
+
+
+def test_a_run_goes_on_where_a_rank_has_no_parcels(tmp_path: Path) -> None:
+    # the gas had settled before the first of them, on all ranks
+    box = BoxCase(
+        width=0.02, depth=0.02, height=0.06, cells=(4, 4, 12), gas_velocity=2,
+        coupled=True, solve_gas=True, end=0.005, interval=0.005,
+        more={f"{PLAN}:convergeGas": "auto"},
+    )  # fmt: skip
+    case = box.make(tmp_path / "case")
+    add_feed(case, FEED)
+    change(case, {f"{DECOMPOSITION}:numberOfSubdomains": 2, f"{DECOMPOSITION}:coeffs/n": [2, 1, 1]})
+    assert "gas settled" in solve(case, 2)
+    run_program(["reconstructPar", "-latestTime"], case)
+    assert (read_particles(case, "0.005").position[:, 0] < 0.01).all()
+
+    change(case, {f"{CONTROL}:endTime": 0.01})
+    times = re.findall(r"elutria: time (\S+)", solve(case, 2))
+    assert float(times[0]) == pytest.approx(0.006)
+    assert float(times[-1]) == pytest.approx(0.01)
 
 
 CELL = 5e-3

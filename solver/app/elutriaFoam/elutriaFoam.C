@@ -15,6 +15,7 @@ Description
 
 \*---------------------------------------------------------------------------*/
 
+#include "CoupledStep.H"
 #include "cloud/ElutriaCloud.H"
 #include "cloud/stockWords.H"
 #include "contacts/meshDimensions.H"
@@ -33,11 +34,8 @@ Description
 #include "run/exitHandling.H"
 #include "run/meshFiles.H"
 #include "run/nothingLost.H"
-#include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "foam/Warnings.H"
-#include "foam/requireAllowed.H"
-#include "profiling.H"
 #include "sigFpe.H"
 
 using namespace Foam;
@@ -86,157 +84,147 @@ bool isLast(const Time& runTime)
 }
 
 
-//- Write the step just done, and end the run with it if it is the last
-void write(Time& runTime, ElutriaCloud& cloud, const ScenePlan& plan,
-    const AtomicTime& atomic, const bool last)
+//- Say what the run would do
+void announceOnly
+(
+    Time& runTime,
+    const GasPhase& gas,
+    const ElutriaCloud& cloud,
+    ScenePlan& plan,
+    const std::vector<caseFiles::Unused>& unused
+)
 {
-    addProfiling(write, "elutria::write");
-    atomic.write([&]()
+    const bool settles = plan.settles(cloud);
+    const bool known = gas.inflowIsFixed();
+    const bool flowFollows = settles && !known && gas.isDriven();
+    if (cloud.feed() && !flowFollows)
     {
-        cloud.writeState();
-        plan.write();
-        Warnings::write();
-        if (last)
-        {
-            runTime.writeAndEnd();
-        }
-        else
-        {
-            runTime.write();
-        }
-    });
-    runTime.setTime(std::stod(runTime.timeName()), runTime.timeIndex());
+        cloud.feed()->requireRate();
+    }
+    if (settles)
+    {
+        plan.setBasis(ScenePlan::gasBasis::inlet);
+    }
+    caseFunctions::tryToMake(runTime);
+    plan.announce(cloud, runTime, unused);
+    Info<< "elutria: planned" << endl;
 }
 
 
-//- Write the state before a step that cannot be taken, to start again from. The
-//  start's own is there already, in files of the user's.
-void writeLastSound(Time& runTime, ElutriaCloud& cloud)
+//- The gas in which the first particle moves, and what the feed takes from it
+void startGas
+(
+    GasPhase& gas,
+    ElutriaCloud& cloud,
+    ScenePlan& plan,
+    const bool keepSettled
+)
 {
-    if (runTime.timeIndex() == runTime.startTimeIndex())
+    const bool known = gas.inflowIsFixed();
+    if (plan.settles(cloud))
     {
-        Warnings::write();
-    }
-    else
-    {
-        AtomicTime(runTime).write([&]()
-        {
-            cloud.writeState();
-            Warnings::write();
-            runTime.writeNow();
-        });
-    }
-    Info<< "elutria: last sound state written, time " << runTime.timeName()
-        << endl;
-    returnReduce(true, andOp<bool>());      // all have written
-}
-
-
-//- The particles' part of a step
-void moveParticles(Time& runTime, ElutriaCloud& cloud)
-{
-    try
-    {
-        cloud.evolve();
-    }
-    catch (const UnsoundStep&)
-    {
-        runTime.setTime
+        gas.startFromSettled();
+        plan.gasSettled
         (
-            runTime.value() - runTime.deltaTValue(), runTime.timeIndex() - 1
+            gas.converge
+            (
+                cloud.exchange(), plan.courant(), plan.settledTolerance(),
+                plan.retakes()
+            )
         );
-        cloud.takeBack();
-        writeLastSound(runTime, cloud);
-        throw;
+        if (keepSettled)
+        {
+            gas.writeSettled();
+        }
     }
-}
-
-
-//- The void fraction that the particles leave the gas
-void setSolidFraction(GasPhase& gas, ElutriaCloud& cloud)
-{
-    const dictionary& constants =
-        cloud.particleProperties().subDict("constantProperties");
-    const scalar largest = readAllowed(constants, "alphaMax", above(0, 1));
-
-    gas.setSolidFraction(cloud.solidFraction(largest));
-    if (cloud.excessVolume() > 0)
+    if (cloud.feed())
     {
-        Warnings::add
-        ({
-            "alphaMax", "the solid fraction exceeds alphaMax in some cells",
-            "the gas does not see " + threeDigits(cloud.excessVolume())
-          + " m3 of solids",
-            "lower the feed's loading, or raise alphaMax of constantProperties",
-            cloud.excessVolume()
-        });
+        Feed& feed = cloud.mesh().lookupObjectRef<Feed>("feed");
+        if (!known && !feed.gasFlowTold() && cloud.isEmpty())
+        {
+            feed.tellGasFlow(gas.massInflow(), gas.name());
+        }
+        feed.requireRate();
     }
 }
 
 
-//- Bring the gas up to the particles' time
-void solveGas
+//- The time of the next step, which gas and particles allow
+void nextStep(Time& runTime, const GasPhase& gas, const scalar largest)
+{
+    #include "createTimeControls.H"
+    maxDeltaT = min(maxDeltaT, largest);
+    {
+        const scalar CoNum = gas.courantRate()*runTime.deltaTValue();
+        Info<< "Courant Number max: " << CoNum << endl;
+        #include "setDeltaT.H"
+    }
+    runTime.setDeltaT(asWritten(runTime.deltaTValue()), false);
+    ++runTime;
+    Info<< "Time = " << runTime.timeName() << nl << endl;
+}
+
+
+//- Step by step until all particles have left, or the run's end
+void march
 (
     Time& runTime,
     GasPhase& gas,
     ElutriaCloud& cloud,
-    ScenePlan& plan
+    ScenePlan& plan,
+    const GasTable& table,
+    LiveControl& control,
+    FrameWriter* frames
 )
 {
-    const bool continued = cloud.solidFractionIsOfWindow();
-    setSolidFraction(gas, cloud);
-    if (continued && !cloud.feedDisplacesGas())
-    {
-        gas.setArrived(cloud.arrivedFraction());
-    }
-    else if (!continued)
-    {
-        gas.forgetVolumeChange();
-    }
-    const GasExchange exchange(cloud.exchange());
-    plan.account(ScenePlan::partExchange);
+    CoupledStep step(runTime, gas, cloud, plan);
+    const scalar largestStep = plan.largestStep(cloud);
 
-    const scalar window = cloud.window();
-    gas.correctTransport();
-    try
+    // Do not continue a run that has already finished
+    bool drained = cloud.drained(cloud.count());
+    while (!drained && runTime.run())
     {
-        const volVectorField change
+        control.follow();
+        plan.resume();
+        nextStep(runTime, gas, largestStep);
+
+        // OpenFOAM's models write some of their files while they work
+        autoPtr<AtomicTime> atomic
         (
-            gas.advance(exchange, window, plan.courant(), plan.retakes())
+            runTime.writeTime() ? new AtomicTime(runTime) : nullptr
         );
-        cloud.correct(change);
-        plan.gasSolved(window, gas.relative(change));
-    }
-    catch (const UnsoundStep&)
-    {
-        cloud.drop();
-        writeLastSound(runTime, cloud);
-        throw;
-    }
-    plan.account(ScenePlan::partGas);
-}
 
+        step.moveParticles();
+        plan.account(ScenePlan::partParticles);
 
-//- Solve the gas, or leave it at rest
-void settleGas
-(
-    Time& runTime,
-    GasPhase& gas,
-    ElutriaCloud& cloud,
-    ScenePlan& plan
-)
-{
-    if (plan.gasNeeded(cloud))
-    {
-        solveGas(runTime, gas, cloud, plan);
-        return;
+        gas.followBoundaries();
+        if (plan.gasDue(runTime, cloud.window()))
+        {
+            step.settleGas();
+        }
+
+        const ElutriaCloud::Count count = cloud.count();
+        reportCount(runTime, cloud, count);
+        drained = cloud.drained(count);
+        if (drained && !atomic)
+        {
+            atomic.reset(new AtomicTime(runTime));
+        }
+        if (atomic)
+        {
+            step.write(*atomic, drained);
+            table.write();
+        }
+        if (frames)
+        {
+            // A restart goes on with the departures after a written time, which
+            // is now what its folder is called
+            const bool now = atomic || isLast(runTime);
+            frames->write(count, control.now(), now);
+        }
+        plan.countStep();
+        plan.account(ScenePlan::partOutput);
     }
-    if (runTime.writeTime())
-    {
-        setSolidFraction(gas, cloud);
-    }
-    cloud.drop();
-    plan.account(ScenePlan::partExchange);
 }
 
 
@@ -261,7 +249,6 @@ void run(const argList& args)
     feedRecord::requireSameMesh(mesh);
     requireSoundControl("fvSolution", mesh.solutionDict());
     #include "createControl.H"
-    #include "createTimeControls.H"
     #include "readGravitationalAcceleration.H"
     requireSoundGravity(g);
     caseFiles::refuse(mesh);
@@ -271,10 +258,7 @@ void run(const argList& args)
     refuseOthersModels(mesh, cloudName);
 
     GasPhase gas(runTime, mesh, pimple, g);
-    ElutriaCloud cloud
-    (
-        cloudName, gas.rho(), gas.U(), gas.mu(), g
-    );
+    ElutriaCloud cloud(cloudName, gas.rho(), gas.U(), gas.mu(), g);
     requireSoundControl("cloudProperties", cloud.particleProperties());
     if (cloud.feed())
     {
@@ -287,67 +271,29 @@ void run(const argList& args)
         caseFiles::unused(mesh, cloud.name(), gas.name())
     );
 
-    if (!args.found("plan"))
+    const bool planOnly = args.found("plan");
+    if (!planOnly)
     {
         Warnings::start(runTime);
     }
     const bool watched = args.found("frames") || FrameWriter::asked(runTime);
     LiveControl control(runTime, gas, cloud.feed(), watched);
-    std::unique_ptr<FrameWriter> frames;
 
     ScenePlan plan(gas, runTime);
     cloud.setRetakes(plan.retakes());
-    const bool settles = plan.settles(cloud);
-
-    const bool known = gas.inflowIsFixed();
-    if (args.found("plan"))
+    if (planOnly)
     {
-        if (cloud.feed() && !(settles && !known && gas.isDriven()))
-        {
-            cloud.feed()->requireRate();
-        }
-        if (settles)
-        {
-            plan.setBasis(ScenePlan::gasBasis::inlet);
-        }
-        caseFunctions::tryToMake(runTime);
-        plan.announce(cloud, runTime, unused);
-        Info<< "elutria: planned" << endl;
+        announceOnly(runTime, gas, cloud, plan, unused);
         return;
     }
     caseFunctions::make(runTime);
-    if (settles)
-    {
-        gas.startFromSettled();
-        plan.gasSettled
-        (
-            gas.converge
-            (
-                cloud.exchange(), plan.courant(), plan.settledTolerance(),
-                plan.retakes()
-            )
-        );
-        if (args.found("keepSettled"))
-        {
-            gas.writeSettled();
-        }
-    }
-    if (const Feed* feed = cloud.feed())
-    {
-        if (!known && !feed->gasFlowTold() && cloud.nParcels() == 0)
-        {
-            mesh.lookupObjectRef<Feed>("feed").tellGasFlow
-            (
-                gas.massInflow(), gas.name()
-            );
-        }
-        feed->requireRate();
-    }
+    startGas(gas, cloud, plan, args.found("keepSettled"));
     const GasTable table(gas, runTime);
     table.write();
 
     plan.announce(cloud, runTime, unused);
     plan.account(ScenePlan::partOutput);
+    std::unique_ptr<FrameWriter> frames;
     if (watched && cloud.feed())
     {
         frames.reset(new FrameWriter(runTime, gas, cloud, *cloud.feed()));
@@ -355,62 +301,7 @@ void run(const argList& args)
     exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
-    const scalar largestStep = plan.largestStep(cloud);
-
-    // Do not continue a run that has already finished
-    bool drained = cloud.drained(cloud.count());
-    while (!drained && runTime.run())
-    {
-        control.follow();
-        plan.resume();
-        #include "readTimeControls.H"
-        maxDeltaT = min(maxDeltaT, largestStep);
-        {
-            const scalar CoNum = gas.courantRate()*runTime.deltaTValue();
-            Info<< "Courant Number max: " << CoNum << endl;
-            #include "setDeltaT.H"
-        }
-        runTime.setDeltaT(asWritten(runTime.deltaTValue()), false);
-        ++runTime;
-        Info<< "Time = " << runTime.timeName() << nl << endl;
-
-        // OpenFOAM's models write some of their files while they work
-        autoPtr<AtomicTime> atomic
-        (
-            runTime.writeTime() ? new AtomicTime(runTime) : nullptr
-        );
-
-        moveParticles(runTime, cloud);
-        plan.account(ScenePlan::partParticles);
-
-        gas.followBoundaries();
-        if (plan.gasDue(runTime, cloud.window()))
-        {
-            settleGas(runTime, gas, cloud, plan);
-        }
-
-        const ElutriaCloud::Count count = cloud.count();
-        reportCount(runTime, cloud, count);
-        drained = cloud.drained(count);
-        if (drained && !atomic)
-        {
-            atomic.reset(new AtomicTime(runTime));
-        }
-        if (atomic)
-        {
-            write(runTime, cloud, plan, *atomic, drained);
-            table.write();
-        }
-        if (frames)
-        {
-            // A restart goes on with the departures after a written time, which
-            // is now what its folder is called
-            const bool now = atomic || isLast(runTime);
-            frames->write(count, control.now(), now);
-        }
-        plan.countStep();
-        plan.account(ScenePlan::partOutput);
-    }
+    march(runTime, gas, cloud, plan, table, control, frames.get());
 
     plan.report(cloud);
     if (cloud.feed())

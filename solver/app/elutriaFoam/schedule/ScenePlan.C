@@ -321,7 +321,7 @@ bool ScenePlan::gasNeeded(const ElutriaCloud& cloud)
 
 bool ScenePlan::settles(const ElutriaCloud& cloud) const
 {
-    return convergeGas_ && cloud.feed() && cloud.nParcels() == 0;
+    return convergeGas_ && cloud.feed() && cloud.isEmpty();
 }
 
 
