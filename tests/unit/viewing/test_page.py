@@ -165,7 +165,7 @@ def test_ten_thousand_parcels_move_without_a_gpu(tmp_path: Path) -> None:
     with viewed(str(run)) as (address, _), Browser() as browser:
         browser.open(address)
         browser.wait("window.elutria && elutria.frames > 3")
-        drawn = wait_for(lambda: browser.ask("elutria.column.drawn"), 20, "pictures")
-        browser.wait(f"elutria.column.drawn > {drawn + 5}", 60)
+        drawn = wait_for(lambda: browser.ask("elutria.column.drawn"), 90, "pictures")
+        browser.wait(f"elutria.column.drawn > {drawn + 5}", 120)
         assert browser.ask("elutria.frame.count") == 10_000
         assert browser.errors == []
