@@ -15,7 +15,6 @@ Description
 
 \*---------------------------------------------------------------------------*/
 
-#include "CoupledStep.H"
 #include "cloud/ElutriaCloud.H"
 #include "cloud/stockWords.H"
 #include "contacts/meshDimensions.H"
@@ -23,6 +22,7 @@ Description
 #include "gas/GasPhase.H"
 #include "gas/GasTable.H"
 #include "gas/startFields.H"
+#include "schedule/CoupledStep.H"
 #include "schedule/ScenePlan.H"
 #include "view/FrameWriter.H"
 #include "view/LiveControl.H"

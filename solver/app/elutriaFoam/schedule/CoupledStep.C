@@ -5,7 +5,7 @@
     SPDX-License-Identifier: GPL-3.0-or-later
 \*---------------------------------------------------------------------------*/
 
-#include "CoupledStep.H"
+#include "schedule/CoupledStep.H"
 #include "foam/digits.H"
 #include "foam/Warnings.H"
 #include "foam/requireAllowed.H"
