@@ -86,7 +86,8 @@ void Ledger::trim(const fileName& file, const scalar time)
 
         kept << line << '\n';
         const scalar number = feed_.number(id);
-        left_[product - feed_.products().begin()][feed_.materialOf(id)].add
+        Account& account = accounts_[feed_.materialOf(id)];
+        account.left[product - feed_.products().begin()].add
         (
             number,
             number*feed_.mass(id)
@@ -163,93 +164,36 @@ void Ledger::writeInside(const UList<Row>& rows) const
 }
 
 
-void Ledger::writeLedger(const scalar time, const List<Amount>& inside)
+Account Ledger::total() const
 {
-    const label nMaterials = feed_.materials().size();
-    const label nProducts = feed_.products().size();
-
-    const auto total = [&](const List<Amount>& perMaterial)
+    Account sum(feed_.products().size());
+    for (const Account& material : accounts_)
     {
-        Amount sum;
-        for (const Amount& a : perMaterial)
-        {
-            sum.parcels += a.parcels;
-            sum.number += a.number;
-            sum.mass += a.mass;
-        }
-        return sum;
-    };
-    const auto show = [](std::ostream& os, const Amount& a)
-    {
-        os  << "{\"parcels\": " << a.parcels << ", \"number\": " << a.number
-            << ", \"mass_kg\": " << a.mass << "}";
-    };
+        sum += material;
+    }
+    return sum;
+}
 
-    // injected - outlets - inside; the mass of no parcels is no mass. Returns
-    // what is lost
-    const auto account = [&]
-    (
-        std::ostream& os,
-        const Amount& injected,
-        const List<Amount>& outlets,
-        const Amount& within
-    )
-    {
-        Amount lost = injected;
-        os << "{\"injected\": ";
-        show(os, injected);
-        os << ", \"outlets\": {";
-        forAll(outlets, i)
-        {
-            os << (i ? ", \"" : "\"") << feed_.products()[i] << "\": ";
-            show(os, outlets[i]);
-            lost.parcels -= outlets[i].parcels;
-            lost.number -= outlets[i].number;
-            lost.mass -= outlets[i].mass;
-        }
-        os << "}, \"inside\": ";
-        show(os, within);
-        lost.parcels -= within.parcels;
-        lost.number -= within.number;
-        lost.mass -= within.mass;
 
-        const scalar error = injected.mass > 0 ? mag(lost.mass)/injected.mass : 0;
-        if (lost.parcels == 0)
-        {
-            lost = Amount();
-        }
-        os << ", \"lost\": ";
-        show(os, lost);
-        os << ", \"mass_closure_error\": " << error << "}";
-        return lost;
-    };
-
+void Ledger::writeLedger(const scalar time) const
+{
     writeWhole
     (
         directory_/"ledger.json",
         [&](std::ostream& os)
         {
-            List<Amount> outlets(nProducts);
-            forAll(outlets, i)
-            {
-                outlets[i] = total(left_[i]);
-            }
             // Sums close to 1e-12
             os  << std::setprecision(15) << "{\n  \"time_s\": " << time
                 << ",\n  \"seed\": " << feed_.seedEntry()
                 << ",\n  \"partition_to\": \"" << feed_.partitionTo() << "\""
                 << ",\n  \"total\": ";
-            lost_ = account(os, total(injected_), outlets, total(inside));
+            total().write(os, feed_.products());
             os << ",\n  \"materials\": {";
-            for (label m = 0; m < nMaterials; ++m)
+            forAll(accounts_, m)
             {
-                forAll(outlets, i)
-                {
-                    outlets[i] = left_[i][m];
-                }
                 os  << (m ? ",\n    \"" : "\n    \"")
                     << feed_.materials()[m].name << "\": ";
-                account(os, injected_[m], outlets, inside[m]);
+                accounts_[m].write(os, feed_.products());
             }
             os << "\n  }\n}\n";
         }
@@ -265,8 +209,7 @@ Ledger::Ledger(const Feed& feed, const Time& runTime)
     directory_(runTime.globalPath()/"postProcessing"),
     file_(directory_/"outlets"/runTime.timeName()/"particles.csv"),
     watched_(false),
-    left_(feed.products().size(), List<Amount>(feed.materials().size())),
-    injected_(feed.materials().size()),
+    accounts_(feed.materials().size(), Account(feed.products().size())),
     fed_(0)
 {
     if (Pstream::master())
@@ -288,7 +231,11 @@ void Ledger::fed(const label number)
     for (; fed_ < number; ++fed_)
     {
         const scalar number = feed_.number(fed_);
-        injected_[feed_.materialOf(fed_)].add(number, number*feed_.mass(fed_));
+        accounts_[feed_.materialOf(fed_)].fed.add
+        (
+            number,
+            number*feed_.mass(fed_)
+        );
     }
 }
 
@@ -320,7 +267,7 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
     );
     for (const Row& row : rows)
     {
-        left_[row.outlet][feed_.materialOf(row.id)].add
+        accounts_[feed_.materialOf(row.id)].left[row.outlet].add
         (
             row.nParticle,
             row.nParticle*feed_.mass(row.id)
@@ -337,10 +284,13 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
         still.begin(), still.end(),
         [](const Row& a, const Row& b) { return a.id < b.id; }
     );
-    List<Amount> insideAmounts(feed_.materials().size());
+    for (Account& account : accounts_)
+    {
+        account.inside = Amount();
+    }
     for (const Row& row : still)
     {
-        insideAmounts[feed_.materialOf(row.id)].add
+        accounts_[feed_.materialOf(row.id)].inside.add
         (
             row.nParticle,
             row.nParticle*feed_.mass(row.id)
@@ -358,18 +308,7 @@ void Ledger::write(const scalar time, const UList<Row>& inside)
             << exit(FatalError);
     }
     writeInside(still);
-    writeLedger(time, insideAmounts);
-}
-
-
-scalar Ledger::injectedMass() const
-{
-    scalar mass = 0;
-    for (const Amount& a : injected_)
-    {
-        mass += a.mass;
-    }
-    return mass;
+    writeLedger(time);
 }
 
 
@@ -382,12 +321,10 @@ labelList Ledger::leftParcels() const
     }
     Pstream::listCombineGather(parcels, plusEqOp<label>());
 
+    const Account all(total());
     forAll(parcels, i)
     {
-        for (const Amount& a : left_[i])
-        {
-            parcels[i] += a.parcels;
-        }
+        parcels[i] += all.left[i].parcels;
     }
     elutriaBroadcast(parcels);
     return parcels;
