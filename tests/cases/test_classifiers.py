@@ -10,7 +10,9 @@ from math import cos, radians
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+from fluids import square_edge_screen
 
 from elutria.case.case import Case, Setting
 from elutria.classification.classify import classify
@@ -18,7 +20,7 @@ from elutria.classification.events import read_run
 from elutria.errors import InputError
 from elutria.estimates.theory import channel_fines_share
 from elutria.physics.drag import Gas, terminal_velocity
-from elutria.running.run import make_mesh, run_case
+from elutria.running.run import ask_plan, make_mesh, run_case
 from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
 from elutria_validation.harness.cases import times
 from elutria_validation.harness.programs import project_root
@@ -74,6 +76,15 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
     products = (finished.events.products[0], finished.events.partition_to)
     sizes = [np.median(left.diameter[left.outlet == name]) for name in products]
     assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
+
+
+@pytest.mark.parametrize("name", list(COARSE))
+def test_contacts_of_a_case_are_stiff_enough_for_its_gas(tmp_path: Path, name: str) -> None:
+    case = Case(project_root() / "cases" / name).copy_to(
+        tmp_path / "case", settings(**COARSE[name])
+    )
+    said = [warned for warned in ask_plan(case)["warnings"] if "overlap" in warned]
+    assert said == []
 
 
 def test_a_parabola_cuts_as_the_closed_form_says(tmp_path: Path, measured: Note) -> None:
@@ -168,6 +179,42 @@ def test_a_geometry_that_cannot_be(
         run(name, tmp_path / "run", **{entry: value})
     assert allowed in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def thick_edged_grid(free: float, thickness: float, gap: float) -> float:
+    """Loss coefficient, of the velocity before it, of a grid of edges as thick as that (m), with
+    openings of a hydraulic diameter `gap` (m) that leave a share `free` open: Idelchik, Handbook of
+    Hydraulic Resistance, chapter 8, grids with thick-edged orifices, without friction."""
+    over = thickness / gap
+    tau = (2.4 - over) * 10 ** -(0.25 + 0.535 * over**8 / (0.05 + over**7))
+    shut = 1 - free
+    return (0.5 * shut**0.75 + tau * shut**1.375 + shut**2) / free**2
+
+
+@pytest.mark.slow
+def test_a_grating_costs_the_pressure_that_bars_cost(tmp_path: Path, measured: Note) -> None:
+    """One grating more: two crossed layers of bars, each of which leaves 0.7 open, and together
+    0.49. Of the handbooks, layers for themselves lose least, one grid of both most."""
+    velocity, density = 6.0, 1.2
+    pressures = []
+    for heights in ("(0.35)", "(0.15 0.35)"):
+        case = run(
+            "grating", tmp_path / heights, Setting("system/controlDict", "writeInterval", "0.1"),
+            gratingHeights=heights, particles=20, feedTime=0.5, drainTime=0.3, loading=1e-6,
+        )  # fmt: skip
+        flows = pd.concat(
+            [pd.read_csv(file) for file in (case / "postProcessing/gas").glob("*/gas.csv")]
+        )
+        pressures.append(float(flows[flows["patch"] == "bottom"]["pressure_pa"].mean()))
+    loss = (pressures[1] - pressures[0]) / (density / 2 * velocity**2)
+    gap = (0.05 - 3 * 0.005) / 3
+    slit = 2 * gap * 0.05 / (gap + 0.05)
+    layers = 2 * thick_edged_grid(0.7, 0.005, slit)
+    # the same by another handbook: Blevins 1984, screens of square bars
+    assert layers == pytest.approx(2 * square_edge_screen(0.7), rel=0.05)
+    grid = thick_edged_grid(0.49, 0.01, gap)
+    measured("loss over that of the layers, least", layers / loss, 1.25)
+    measured("loss over that of the grid, most", loss / grid, 1.25)
 
 
 def test_allrun_makes_the_mesh_too(tmp_path: Path) -> None:

@@ -147,9 +147,11 @@ def test_two_processors_are_steered_as_one_is(tmp_path: Path) -> None:
 def test_frames_keep_to_their_rate(tmp_path: Path) -> None:
     case = box(tmp_path / "box")
     solve(case, options=FRAMES)
-    gaps = np.diff([frame.time for frame in frames_of(case)])
-    assert len(gaps) > 1
-    assert gaps[:-1].min() >= 1 / 30 - 1e-9
+    times = np.array([frame.time for frame in frames_of(case)])
+    written = np.isclose(times, 0.1 * np.round(times / 0.1))  # one then too, for a restart
+    gaps = np.diff(times[~written])
+    assert len(gaps) > 0
+    assert gaps.min() >= 1 / 30 - 1e-9
 
 
 def test_a_restart_keeps_the_frames_before_it_and_no_others(tmp_path: Path) -> None:
@@ -347,6 +349,7 @@ def test_a_running_column_is_steered_paused_and_paced(tmp_path: Path) -> None:
         wait_for(lambda: len(set(_sizes(log))) == 1, 30, "a pause")
         ask(case, "gas 0.5; loading 2;")
         wait_for(lambda: "velocity 0.5 times, loading 2 times" in log.read_text(), 30, "it goes on")
+        wait_for(lambda: frames_of(case)[-1].head["gas"] == 0.5, 30, "a frame of it")
     kept = (case / "system/steering").read_text()
     done = re.findall(r"velocity (\S+) times, loading (\S+) times.* time (\S+)", log.read_text())
     told = re.findall(r"\((\S+) (\S+) (\S+)\)", kept)

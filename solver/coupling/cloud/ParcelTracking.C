@@ -13,6 +13,7 @@
 #include "parallel/ParcelTransfer.H"
 #include "laws/DragLaws.hpp"
 #include "meshTools.H"
+#include "processorCyclicPolyPatch.H"
 #include "profiling.H"
 
 #include <algorithm>
@@ -67,6 +68,9 @@ ParcelTracking::Flight ParcelTracking::flight
     f.target = toFoam(all.position[i]);
     f.age = p.age() - p.stepFraction()*dt;
     f.takenAt = step.takenAt.size() ? step.takenAt[i] : -1;
+    const bool told = cloud_.functions().size();
+    f.known = told && p.stepFraction() > 0 ? p.position() : f.from;
+    f.elsewhere = 0;
 
     // What neither drag nor other forces did, contacts did
     turnFluctuation
@@ -265,10 +269,17 @@ void ParcelTracking::trackParcel
     // A parcel that slides along walls without end is left where it is
     label attempts = 0;
 
-    // Where the cloud's functions, if there are any, know it to be: slides are
-    // told with the next move
     const bool told = cloud_.functions().size();
-    point known(told && p.stepFraction() > 0 ? p.position() : flight.from);
+
+    // Where the cloud's functions know it to be: slides are told with the next
+    // move, and so is what rounding adds where a processor takes over, else a
+    // plane there would not see it pass
+    point& known = flight.known;
+    if (flight.elsewhere > 0)
+    {
+        known = p.position();
+        flight.elsewhere = 0;
+    }
 
     while
     (
@@ -481,6 +492,8 @@ void ParcelTracking::track
             }
             else if (td.switchProcessor)
             {
+                const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
+                flight.elsewhere = isA<processorCyclicPolyPatch>(patch) ? 1 : 0;
                 transfer.add(moving.remove(&p), flight);
             }
             else

@@ -30,7 +30,6 @@ namespace
 
 //- Beyond these it is a mistake, in a unit or an exponent
 constexpr scalar
-    longest = 1e9,              // of a feed, or until it begins [s]
     fastest = 1000,             // of what is fed [m/s]
     largestFlow = 1e6;          // [kg/s], or kg of solids per kg of gas
 
@@ -197,20 +196,6 @@ bool Feed::isRated() const
 }
 
 
-scalar Feed::durationOf
-(
-    const dictionary& feed,
-    const elutria::laws::RateTable* table
-)
-{
-    if (feed.found("duration"))
-    {
-        return readAllowed(feed, "duration", above(0, longest));
-    }
-    return table ? table->end() - feed.getOrDefault<scalar>("start", 0) : GREAT;
-}
-
-
 scalar Feed::meanFlowOfTable() const
 {
     const scalar end = start_ + duration_;
@@ -236,14 +221,16 @@ void Feed::readSchedule()
 {
     const bool rated = isRated();
     table_ = rated ? readRateTable(*this) : nullptr;
-    start_ = found("start") ? readAllowed(*this, "start", atLeast(0, longest)) : 0;
+    start_ =
+        found("start")
+      ? readAllowed(*this, "start", atLeast(0, longestFeed)) : 0;
     if (!found("duration") && !found("particles") && !table_)
     {
         FatalIOErrorInFunction(*this)
             << "give duration (s), particles (a whole number) or both"
             << exit(FatalIOError);
     }
-    duration_ = durationOf(*this, table_.get());
+    duration_ = feedDuration(*this, table_.get());
     const bool lasts = duration_ < GREAT;
 
     massFlow_ =

@@ -20,6 +20,93 @@ Description
 namespace Foam
 {
 
+namespace
+{
+
+//- How long a feed lasts [s]
+scalar durationIn(const dictionary& feed)
+{
+    const auto table =
+        feed.found("massFlowRate") ? readRateTable(feed) : nullptr;
+    return feedDuration(feed, table.get());
+}
+
+
+label particlesIn(const dictionary& feed)
+{
+    return feed.getOrDefault<label>("particles", labelMax);
+}
+
+
+//- Are a number of parcels spread over a feed that ends?
+bool spreads(const Feed& before, const dictionary& feed)
+{
+    return
+        before.weighted() && feed.found("particles")
+     && durationIn(feed) < GREAT;
+}
+
+
+//- Would its parcels weigh as those of the feed as it was?
+bool weighAlike
+(
+    const Feed& before,
+    const dictionary& was,
+    const dictionary& feed
+)
+{
+    const scalar then = particlesIn(was), now = particlesIn(feed);
+    const scalar wanted = now*durationIn(was);
+    return
+        !spreads(before, feed) || now == then
+     || mag(wanted - then*durationIn(feed)) < 1e-9*wanted;
+}
+
+
+//- Number of the parcels that a stretch feeds until `end`, after `fed` of them
+label ownParticles
+(
+    const Feed& before,
+    const dictionary& was,
+    const dictionary& feed,
+    const label fed,
+    const scalar length
+)
+{
+    const label particles = particlesIn(feed);
+    if (spreads(before, feed) && particles == particlesIn(was))
+    {
+        return max(1, label(std::round(particles/durationIn(was)*length)));
+    }
+    return particles - fed;
+}
+
+
+//- The feed's entries, with those of a stretch of it
+dictionary withStretch
+(
+    const dictionary& feed,
+    const scalar start,
+    const scalar duration,
+    const label particles
+)
+{
+    dictionary settings(feed);
+    settings.set("start", start);
+    if (feed.found("duration"))
+    {
+        settings.set("duration", duration);
+    }
+    if (feed.found("particles"))
+    {
+        settings.set("particles", particles);
+    }
+    return settings;
+}
+
+} // End anonymous namespace
+
+
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 void Feed::have(const dictionary& settings)
@@ -91,65 +178,38 @@ void Feed::beginStretch
     }
 
     before_.reset(new Feed(mesh_, phaseName, record.subDict("stretch")));
-    const scalar now = mesh_.time().value();
-    const auto lasts = [](const dictionary& feed)
-    {
-        const auto table =
-            feed.found("massFlowRate") ? readRateTable(feed) : nullptr;
-        return durationOf(feed, table.get());
-    };
-    const scalar duration = lasts(case_);
-    const scalar durationBefore = lasts(was);
-    const label particles = case_.getOrDefault<label>("particles", labelMax);
-    const label particlesBefore = was.getOrDefault<label>("particles", labelMax);
     const bool otherRate =
         changed.found("loading") || changed.found("massFlowRate");
-    const bool spread =
-        before_->weighted() && duration < GREAT && case_.found("particles");
 
     // Parcels that weigh as before go on where the feed would have ended
-    const scalar wanted = scalar(particles)*durationBefore;
+    const scalar now = mesh_.time().value();
     const bool goesOn =
         !otherRate
-     && duration >= durationBefore
-     && particles >= particlesBefore
-     && (
-            !spread
-         || particles == particlesBefore
-         || mag(wanted - particlesBefore*duration) < 1e-9*wanted
-        );
+     && durationIn(case_) >= durationIn(was)
+     && particlesIn(case_) >= particlesIn(was)
+     && weighAlike(*before_, was, case_);
     const scalar from = goesOn ? max(now, before_->end()) : now;
-    const scalar end = before_->start() + duration;
+    const scalar end = before_->start() + durationIn(case_);
     first_ = before_->fedUntil(from);
 
     OStringStream more;
     if (!(end > from))
     {
-        more<< "more than " << from - before_->start() << ", as that much is over";
-        refuse(changed.found("duration") ? "duration" : *changed.begin(), more.str());
+        more<< "more than " << from - before_->start()
+            << ", as that much is over";
+        refuse
+        (
+            changed.found("duration") ? "duration" : *changed.begin(),
+            more.str()
+        );
     }
-    label own = particles - first_;
-    if (spread && particles == particlesBefore)
-    {
-        own = max(1, label(std::round(particles/durationBefore*(end - from))));
-    }
+    const label own = ownParticles(*before_, was, case_, first_, end - from);
     if (case_.found("particles") && own < 1)
     {
         more<< "more than " << first_ << ", as so many are fed";
         refuse("particles", more.str());
     }
-
-    dictionary settings(case_);
-    settings.set("start", from);
-    if (case_.found("duration"))
-    {
-        settings.set("duration", end - from);
-    }
-    if (case_.found("particles"))
-    {
-        settings.set("particles", own);
-    }
-    have(settings);
+    have(withStretch(case_, from, end - from, own));
 
     const dictionary last(before_->stretch());
     if (last.found("focus"))

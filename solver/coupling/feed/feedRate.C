@@ -7,6 +7,7 @@
 
 #include "feed/feedRate.H"
 #include "foam/foamVersion.H"
+#include "foam/requireAllowed.H"
 #include "Function1.H"
 #include "StringStream.H"
 #include "TableBase.H"
@@ -111,6 +112,20 @@ std::unique_ptr<const elutria::laws::RateTable> readRateTable
     {
         refuse(feed, refused.what());
     }
+}
+
+
+scalar feedDuration
+(
+    const dictionary& feed,
+    const elutria::laws::RateTable* table
+)
+{
+    if (feed.found("duration"))
+    {
+        return readAllowed(feed, "duration", above(0, longestFeed));
+    }
+    return table ? table->end() - feed.getOrDefault<scalar>("start", 0) : GREAT;
 }
 
 

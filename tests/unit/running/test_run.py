@@ -346,18 +346,18 @@ def test_ctrl_c_ends_the_runs_and_says_how_to_go_on(
     assert workers(to) == []
 
 
-def test_no_table_is_left_half_written(tmp_path: Path) -> None:
+def test_no_table_is_left_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from elutria.files import write_csv
 
     path = tmp_path / "table.csv"
     write_csv(path, ["a"], [{"a": 1.0}])
 
-    def rows() -> object:
-        yield {"a": 2.0}
+    def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ElutriaError, match="No space left on device") as caught:
-        write_csv(path, ["a"], rows())
+        write_csv(path, ["a"], [{"a": 2.0}])
     assert caught.value.exit_code == 1
     assert path.read_text() == "a\n1\n"
     assert list(tmp_path.iterdir()) == [path]
