@@ -11,7 +11,7 @@ import pytest
 
 from tests.support.made_results import make_results
 
-HEAVY = {"numpy", "scipy", "pandas", "matplotlib", "PyFoam", "foamlib", "fluids"}
+HEAVY = {"numpy", "scipy", "pandas", "matplotlib", "PyFoam", "foamlib", "fluids", "pydantic"}
 
 
 def modules(*arguments: str) -> set[str]:

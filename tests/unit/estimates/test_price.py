@@ -139,10 +139,24 @@ def test_the_machine_is_measured_once(cache: Path, monkeypatch: pytest.MonkeyPat
 def test_runs_are_remembered_and_a_spoilt_line_is_passed_over(cache: Path) -> None:
     run = spent(PLAN, 30.0, 200.0, 8.0)
     machine.keep(run)
-    with (cache / "runs.jsonl").open("a") as file:
+    with (cache / "spent.jsonl").open("a") as file:
         file.write('{"key": 1}\nrubbish\n')
     machine.keep(run)
-    assert machine.finished() == [run, run]
+    known = machine.finished(machine.slowness())
+    assert [known_run.key for known_run in known] == [run.key, run.key]
+    assert [known_run.processor_s for known_run in known] == pytest.approx([30, 30])
+
+
+@pytest.mark.usefixtures("cache")
+def test_runs_are_known_to_other_machines_by_what_they_would_take_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nodes of a cluster share a home: what took 30 s on one takes 60 s on one half as fast."""
+    monkeypatch.setattr(machine, "_timed", lambda _: machine.REFERENCE_S)
+    machine.keep(spent(PLAN, 30.0, 200.0, 8.0))
+    monkeypatch.setattr(machine.platform, "node", lambda: "another")
+    monkeypatch.setattr(machine, "_timed", lambda _: 2 * machine.REFERENCE_S)
+    assert machine.expected([PLAN])[0].processor_s == pytest.approx(60)
 
 
 @pytest.mark.usefixtures("cache")
@@ -163,5 +177,5 @@ def test_a_cache_that_cannot_be_written_is_none(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("ELUTRIA_CACHE", str(tmp_path / "file"))
     machine.keep(Spent("a", 1, 1, 1, 1, 1, 1, 1))
-    assert machine.finished() == []
+    assert machine.finished(1.0) == []
     assert machine.slowness() > 0

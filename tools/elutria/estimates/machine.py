@@ -1,4 +1,8 @@
-"""How fast this machine is, and what finished runs came to on it: kept between calls."""
+"""How fast this machine is, and what finished runs came to: kept between calls.
+
+Files hold seconds of the reference machine, since the machines that read a file need not be the one
+that wrote it: nodes of a cluster share a home.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +25,7 @@ from elutria.files import cache_folder
 REFERENCE_S = 0.0163
 """Processor seconds of the probe's work on the machine on which the rates were measured."""
 _KEPT = 400
+_RUNS = "spent.jsonl"
 
 
 def slowness() -> float:
@@ -31,11 +36,16 @@ def slowness() -> float:
         kept = json.loads(file.read_text())
         if kept["machine"] == name:
             return float(kept["probe_s"]) / REFERENCE_S
-    seconds = min(_timed(_work) for _ in range(5))
+    seconds = probe()
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps({"machine": name, "probe_s": seconds}) + "\n")
     return seconds / REFERENCE_S
+
+
+def probe() -> float:
+    """Processor seconds of the probe's work on this machine, now."""
+    return min(_timed(_work) for _ in range(5))
 
 
 def _work() -> None:
@@ -74,10 +84,17 @@ def disk_mb(folder: Path) -> float:
     return sum(path.stat().st_blocks for path in files) * 512 / 1e6
 
 
+def scaled(run: Spent, factor: float) -> Spent:
+    """The run on a machine that takes `factor` times as long."""
+    return replace(run, processor_s=factor * run.processor_s)
+
+
 def keep(run: Spent) -> None:
-    """Add a finished run to those that are known; a cache that cannot be written has none."""
+    """Add a run that was made on this machine to those that are known; a cache that cannot be
+    written has none."""
+    run = scaled(run, 1 / slowness())
     with suppress(OSError):
-        file = cache_folder() / "runs.jsonl"
+        file = cache_folder() / _RUNS
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("a+") as runs:
             fcntl.flock(runs, fcntl.LOCK_EX)
@@ -90,30 +107,32 @@ def keep(run: Spent) -> None:
                 runs.writelines(lines[-_KEPT:])
 
 
-def finished() -> list[Spent]:
-    """The runs that are known, the latest last."""
+def finished(slow: float) -> list[Spent]:
+    """The runs that are known, the latest last, as they would be on a machine that takes `slow`
+    times as long as the reference."""
     names = [field.name for field in fields(Spent)]
     found = []
     with suppress(OSError):
-        for line in (cache_folder() / "runs.jsonl").read_text().splitlines()[-_KEPT:]:
+        for line in (cache_folder() / _RUNS).read_text().splitlines()[-_KEPT:]:
             with suppress(ValueError, KeyError, TypeError):
                 content = json.loads(line)
-                found.append(Spent(**{name: content[name] for name in names}))
+                run = Spent(**{name: content[name] for name in names})
+                found.append(scaled(run, slow))
     return found
 
 
 def delivered(slow: float) -> list[Spent]:
-    """Runs of the column and of manganese on the reference machine, made by hand on 2026-11-27, as
-    they would be on one that takes `slow` times as long. `elutria bench price` makes them anew."""
+    """Runs of the cases of the repository that `elutria bench price` made, as they would be on a
+    machine that takes `slow` times as long as the reference."""
     kept = json.loads(files("elutria.estimates").joinpath("delivered.json").read_text())
-    runs = [Spent(**entries) for entries in kept]
-    return [replace(run, processor_s=slow * run.processor_s) for run in runs]
+    return [scaled(Spent(**entries), slow) for entries in kept["runs"]]
 
 
 def expected(plans: Sequence[Mapping[str, Any]]) -> list[Price]:
     """What a run with each of the plans is expected to cost on this machine: runs that were made
-    here say it, or else those that are delivered, or else the rates."""
-    slow, known = slowness(), finished()
+    by this user say it, or else those that are delivered, or else the rates."""
+    slow = slowness()
+    known = finished(slow)
     ours = {run.key for run in known}
     known += [run for run in delivered(slow) if run.key not in ours]
     return [price(plan, slow, known) for plan in plans]
