@@ -120,6 +120,36 @@ def test_the_page_summarises_all_chapters(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "bed/chapter.json").read_text())["machine"]["openfoam"]
 
 
+def test_one_section_is_made_anew_among_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ours = {"first": 1.0, "second": 1.0, "third": 1.0}
+
+    def make(name: str) -> Any:
+        def run(_folder: Path, _quick: bool) -> Section:
+            return section(name, ours[name])
+
+        run.__name__ = name
+        return run
+
+    module = judged("drag", 1.0)
+    module.SECTIONS = [make(name) for name in ours]
+    monkeypatch.setattr(commands, "modules", lambda _: {"drag": module})
+    folder = tmp_path / "drag"
+    assert verify(capsys, "drag", "--section", "third", "--to", folder)[0] == 0
+    assert verify(capsys, "drag", "--to", folder)[0] == 0
+    ours.update(first=3.0, second=1.5)
+    code, said = verify(capsys, "drag", "--section", "second", "--to", folder)
+    assert code == 1
+    assert "FAIL here: value of second, m: 0.5" in said
+    rows = list(csv.DictReader((folder / "rows.csv").open()))
+    assert [row["ours"] for row in rows] == ["1", "1.5", "1"]
+    code, said = verify(capsys, "drag", "--section", "secund", "--to", folder)
+    assert code == 2
+    assert "--section secund, did you mean 'second'?; allowed: first, second, third" in said
+    assert verify(capsys, "all", "--section", "first", "--to", tmp_path)[0] == 2
+
+
 def test_the_book_in_the_repository_links_to_what_is_there() -> None:
     page = (BOOK / "index.md").read_text()
     pictures = [part.split(")")[0] for part in page.split("](")[1:] if ".png)" in part]
