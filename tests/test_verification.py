@@ -21,6 +21,7 @@ from elutria_validation.book.page import ORDER, read_notes
 from elutria_validation.book.rows import Chapter, Row, Section
 from elutria_validation.book.writing import write_chapter
 from elutria_validation.chapters import drag
+from elutria_validation.chapters.measured_bed import seen
 from elutria_validation.harness import box
 from elutria_validation.harness.box import BoxCase, Contacts, Material, Pair
 from elutria_validation.harness.job import Job, option, parse_options
@@ -262,6 +263,19 @@ def test_particles_come_back_as_they_were_written(tmp_path: Path) -> None:
         assert np.array_equal(getattr(found, name), getattr(start, name))
     assert np.allclose(found.spin, start.spin, rtol=1e-14)
     assert len(read_particles(tmp_path, "1").diameter) == 0
+
+
+def test_a_sphere_is_seen_from_above_where_none_lies_on_it() -> None:
+    def share(*others: tuple[float, float, float, float]) -> float:
+        placed = np.array([(0.0, 0.0, 0.0, 2.0), *others])
+        return seen(Particles.of(placed[:, :3], diameter=placed[:, 3]), 0, 2000)
+
+    assert share() == 1
+    assert share((0, 0, -1, 9)) == 1
+    assert share((0, 0, 1, 9)) == 0
+    assert share((0, 0, 1, 1)) == pytest.approx(0.75, abs=0.01)
+    assert share((0.5, 0, 1, 1), (-0.5, 0, 2, 1)) == pytest.approx(0.5, abs=0.01)
+    assert share((1, 0, 1, 2)) == pytest.approx(1 - (2 / 3 - 3**0.5 / (2 * np.pi)), abs=0.01)
 
 
 def test_a_scene_has_every_field_that_openfoam_must_read(tmp_path: Path) -> None:
