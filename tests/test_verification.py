@@ -21,6 +21,7 @@ from elutria_validation.book.page import ORDER, read_notes
 from elutria_validation.book.rows import Chapter, Row, Section
 from elutria_validation.book.writing import write_chapter
 from elutria_validation.chapters import drag
+from elutria_validation.chapters.measured_bed import seen
 from elutria_validation.harness import box
 from elutria_validation.harness.box import BoxCase, Contacts, Material, Pair
 from elutria_validation.harness.job import Job, option, parse_options
@@ -118,6 +119,36 @@ def test_the_page_summarises_all_chapters(tmp_path: Path) -> None:
     rows = list(csv.DictReader((tmp_path / "bed/rows.csv").open()))
     assert [row["verdict"] for row in rows] == ["FAIL"]
     assert json.loads((tmp_path / "bed/chapter.json").read_text())["machine"]["openfoam"]
+
+
+def test_one_section_is_made_anew_among_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ours = {"first": 1.0, "second": 1.0, "third": 1.0}
+
+    def make(name: str) -> Any:
+        def run(_folder: Path, _quick: bool) -> Section:
+            return section(name, ours[name])
+
+        run.__name__ = name
+        return run
+
+    module = judged("drag", 1.0)
+    module.SECTIONS = [make(name) for name in ours]
+    monkeypatch.setattr(commands, "modules", lambda _: {"drag": module})
+    folder = tmp_path / "drag"
+    assert verify(capsys, "drag", "--section", "third", "--to", folder)[0] == 0
+    assert verify(capsys, "drag", "--to", folder)[0] == 0
+    ours.update(first=3.0, second=1.5)
+    code, said = verify(capsys, "drag", "--section", "second", "--to", folder)
+    assert code == 1
+    assert "FAIL here: value of second, m: 0.5" in said
+    rows = list(csv.DictReader((folder / "rows.csv").open()))
+    assert [row["ours"] for row in rows] == ["1", "1.5", "1"]
+    code, said = verify(capsys, "drag", "--section", "secund", "--to", folder)
+    assert code == 2
+    assert "--section secund, did you mean 'second'?; allowed: first, second, third" in said
+    assert verify(capsys, "all", "--section", "first", "--to", tmp_path)[0] == 2
 
 
 def test_the_book_in_the_repository_links_to_what_is_there() -> None:
@@ -232,6 +263,19 @@ def test_particles_come_back_as_they_were_written(tmp_path: Path) -> None:
         assert np.array_equal(getattr(found, name), getattr(start, name))
     assert np.allclose(found.spin, start.spin, rtol=1e-14)
     assert len(read_particles(tmp_path, "1").diameter) == 0
+
+
+def test_a_sphere_is_seen_from_above_where_none_lies_on_it() -> None:
+    def share(*others: tuple[float, float, float, float]) -> float:
+        placed = np.array([(0.0, 0.0, 0.0, 2.0), *others])
+        return seen(Particles.of(placed[:, :3], diameter=placed[:, 3]), 0, 2000)
+
+    assert share() == 1
+    assert share((0, 0, -1, 9)) == 1
+    assert share((0, 0, 1, 9)) == 0
+    assert share((0, 0, 1, 1)) == pytest.approx(0.75, abs=0.01)
+    assert share((0.5, 0, 1, 1), (-0.5, 0, 2, 1)) == pytest.approx(0.5, abs=0.01)
+    assert share((1, 0, 1, 2)) == pytest.approx(1 - (2 / 3 - 3**0.5 / (2 * np.pi)), abs=0.01)
 
 
 def test_a_scene_has_every_field_that_openfoam_must_read(tmp_path: Path) -> None:

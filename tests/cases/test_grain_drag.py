@@ -15,7 +15,7 @@ from elutria.errors import ElutriaError
 from elutria.physics.drag import drag_coefficient
 from elutria.running.run import plans, run_case
 from elutria_validation.harness.box import WEIGHTLESS, BoxCase, cube
-from elutria_validation.harness.cases import solve, times
+from elutria_validation.harness.cases import CLOUD, solve, times
 from elutria_validation.harness.particles import Particles, lattice, read_particles
 from elutria_validation.harness.programs import project_root
 from elutria_validation.references.drag import AIR
@@ -134,16 +134,21 @@ def test_flat_grains_settle_slower(tmp_path: Path) -> None:
     assert 0.6 * speed["round"] < speed["flat"] < 0.9 * speed["round"]
 
 
-def test_two_sizes_in_a_cell_have_the_factors_of_their_mean(tmp_path: Path, measured: Note) -> None:
-    """Spheres of two sizes are slowed for a moment: by Beetstra's law at y = d over 6 V/A."""
+@pytest.mark.parametrize(("cells", "kernel"), [(1, 0.0), (5, 3.0)])
+def test_two_sizes_have_the_factors_of_the_mean_around_them(
+    tmp_path: Path, measured: Note, cells: int, kernel: float
+) -> None:
+    """Spheres of two sizes are slowed for a moment: by Beetstra's law at y = d over 6 V/A. In cells
+    that hold one sphere each the mean is that of the kernel, here wider than the box."""
     small, large, solids, speed = 1e-3, 2e-3, 0.2, 0.5
     size = np.array([small, large] * 8)
     side = (np.sum(np.pi / 6 * size**3) / solids) ** (1 / 3)
     velocity = np.zeros((16, 3))
     velocity[:, 2] = speed
     start = Particles.of(lattice(16, side), velocity, diameter=size, density=2650.0)
-    box = BoxCase(**cube(side), **WEIGHTLESS, most_solids=0.9, step=1e-7, end=1e-7,
-                  forces={"BeetstraDrag": {"alphac": "alpha.air"}})  # fmt: skip
+    box = BoxCase(**cube(side, cells), **WEIGHTLESS, most_solids=0.9, step=1e-7,
+                  end=1e-7, forces={"BeetstraDrag": {"alphac": "alpha.air"}},
+                  more={f"{CLOUD}:spreading": {"width": kernel * side, "steps": 12}})  # fmt: skip
     case = box.make(tmp_path / "case", start)
     solve(case)
     after = read_particles(case, times(case)[-1]).velocity[:, 2]

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
 from elutria.errors import ElutriaError, InputError, one_line, suggestion
+
+if TYPE_CHECKING:
+    from elutria_validation.book.rows import MakeSection
 
 console = Console(emoji=False)
 errors = Console(stderr=True, emoji=False)
@@ -53,6 +56,10 @@ def verify(
     to: Annotated[Path | None, typer.Option(help="Folder; default: results/verify/NAME.")] = None,
     quick: QuickOption = False,
     jobs: Annotated[int, typer.Option(min=1, help="Of 'all': so many side by side.")] = 2,
+    section: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Of a chapter this alone; its folder's others stay."),
+    ] = None,
     option: OwnOptions = None,
 ) -> None:
     """Reference results, run through the code that users run; exit code 1 if a judged row fails."""
@@ -67,12 +74,14 @@ def verify(
     parse_options(NoOptions, option or [], quick)
     folder = to or Path("results/verify") / ("" if name == "all" else name)
     if name == "all":
+        if section:
+            raise InputError("--section: is of one chapter; allowed: not with 'all'")
         with ProcessPoolExecutor(jobs) as pool:
             pending = {key: pool.submit(_failures, key, folder / key, quick) for key in known}
         failures = [f"{key}: {line}" for key, done in pending.items() for line in done.result()]
     else:
-        _chosen(known, name)
-        failures = _failures(name, folder, quick)
+        _sections(_chosen(known, name), section)
+        failures = _failures(name, folder, quick, section)
     for line in failures:
         errors.print(line, style="red", markup=False, highlight=False, soft_wrap=True)
     if failures:
@@ -93,7 +102,7 @@ def modules(room: str) -> dict[str, Any]:
     return found
 
 
-def _failures(name: str, folder: Path, quick: bool) -> list[str]:
+def _failures(name: str, folder: Path, quick: bool, only: list[str] | None = None) -> list[str]:
     """A line for each judged row that failed, or for the chapter that could not be run."""
     from elutria_validation.book.writing import run_chapter
     from elutria_validation.harness.job import Job
@@ -101,7 +110,8 @@ def _failures(name: str, folder: Path, quick: bool) -> list[str]:
     module = modules("chapters")[name]
     try:
         job = Job(folder, quick=quick, say=_say)
-        chapter = run_chapter(job, module.NAME, module.TITLE, module.SECTIONS)
+        sections = _sections(module, only)
+        chapter = run_chapter(job, module.NAME, module.TITLE, sections, bool(only))
     except InputError:
         raise
     except ElutriaError as error:
@@ -116,6 +126,16 @@ def _chosen(known: dict[str, Any], name: str) -> Any:
             f"allowed: list, {', '.join(sorted(known))}"
         )
     return known[name]
+
+
+def _sections(module: Any, only: list[str] | None) -> list[MakeSection]:
+    """Those of a chapter that are asked for by their functions' names; all where none is."""
+    known = {one.__name__: one for one in module.SECTIONS}
+    for name in only or ():
+        if name not in known:
+            raise InputError(f"--section {one_line(name, 40)}{suggestion(name, known)}; "
+                             f"allowed: {', '.join(known)}")  # fmt: skip
+    return [known[name] for name in only or known]
 
 
 def _options(module: Any) -> type:

@@ -10,7 +10,7 @@ from typing import Any
 
 from matplotlib import rc_context
 
-from elutria.files import write_csv, write_json
+from elutria.files import read_json, write_csv, write_json
 from elutria.output.style import STYLE, save
 from elutria_validation.book.page import bind
 from elutria_validation.book.rows import Chapter, MakeSection, Section
@@ -22,7 +22,9 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def run_chapter(job: Job, name: str, title: str, sections: Sequence[MakeSection]) -> Chapter:
+def run_chapter(
+    job: Job, name: str, title: str, sections: Sequence[MakeSection], others_stay: bool = False
+) -> Chapter:
     """Run the sections one after another and write their chapter."""
     chapter = Chapter(name, title)
     with TemporaryDirectory() as work, rc_context(STYLE):
@@ -30,14 +32,17 @@ def run_chapter(job: Job, name: str, title: str, sections: Sequence[MakeSection]
             folder = Path(work) / str(number)
             folder.mkdir()
             chapter.sections.append(make(folder, job.quick))
-        write_chapter(job, chapter)
+        write_chapter(job, chapter, others_stay)
     return chapter
 
 
-def write_chapter(job: Job, chapter: Chapter) -> None:
-    """rows.csv, the figures and chapter.json in the job's folder; then the page beside it."""
+def write_chapter(job: Job, chapter: Chapter, others_stay: bool = False) -> None:
+    """rows.csv, the figures and chapter.json in the job's folder; then the page beside it. Sections
+    that the folder has and `chapter` has not are left out, or stay."""
     job.folder.mkdir(parents=True, exist_ok=True)
     sections = [_written(section, job.folder) for section in chapter.sections]
+    if others_stay:
+        sections = _among_others(sections, job.folder / "chapter.json")
     rows = [{"section": section["title"], **row} for section in sections for row in section["rows"]]
     write_csv(job.folder / "rows.csv", COLUMNS, rows)
     write_json(
@@ -49,6 +54,13 @@ def write_chapter(job: Job, chapter: Chapter) -> None:
     job.say(f"{chapter.name}: {passed} of {len(chapter.judged)} rows pass")
     for row in chapter.failed:
         job.say(f"  {row.failure}")
+
+
+def _among_others(sections: list[dict[str, Any]], file: Path) -> list[dict[str, Any]]:
+    """The file's sections in their order, these in place of those of their title or behind them."""
+    own = {section["title"]: section for section in sections}
+    there = read_json(file)["sections"] if file.is_file() else []
+    return [own.pop(section["title"], section) for section in there] + list(own.values())
 
 
 def _written(section: Section, folder: Path) -> dict[str, Any]:

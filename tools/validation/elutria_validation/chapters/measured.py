@@ -5,6 +5,7 @@ Processor time: pipe two minutes, settings six, each of the others half a minute
 
 from __future__ import annotations
 
+from elutria_validation.chapters.measured_bed import bed
 from elutria_validation.chapters.measured_cut import cut_in_air
 from elutria_validation.chapters.measured_dispersion import dispersion
 from elutria_validation.chapters.measured_pipe import pipe, settings
@@ -12,6 +13,6 @@ from elutria_validation.chapters.measured_seeds import seeds
 
 NAME = "measured"
 TITLE = "Against measurements"
-HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds."
+HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed."
 
-SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds)
+SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed)

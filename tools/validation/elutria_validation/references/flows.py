@@ -6,22 +6,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from elutria_validation.references.drag import AIR, STANDARD_GRAVITY
+from elutria_validation.references.drag import AIR, STANDARD_GRAVITY, Gas
 
 Array = NDArray[np.float64]
 
 
-def ergun(velocity: float, diameter: float, void: float) -> float:
+def ergun(velocity: float, diameter: float, void: float, gas: Gas = AIR) -> float:
     """Pressure gradient (Pa/m) of a bed at a superficial velocity; Ergun 1952."""
     solids = 1 - void
-    viscous = 150 * solids**2 / void**3 * AIR.viscosity * velocity / diameter**2
-    return viscous + 1.75 * solids / void**3 * AIR.density * velocity**2 / diameter
+    viscous = 150 * solids**2 / void**3 * gas.viscosity * velocity / diameter**2
+    return viscous + 1.75 * solids / void**3 * gas.density * velocity**2 / diameter
 
 
-def minimum_fluidisation(diameter: float, density: float, void: float) -> float:
+def minimum_fluidisation(diameter: float, density: float, void: float, gas: Gas = AIR) -> float:
     """Superficial velocity (m/s) at which Ergun's gradient carries the bed's weight."""
-    weight = (1 - void) * (density - AIR.density) * STANDARD_GRAVITY
-    return float(brentq(lambda u: ergun(u, diameter, void) - weight, 1e-6, 100))
+    weight = (1 - void) * (density - gas.density) * STANDARD_GRAVITY
+    return float(brentq(lambda u: ergun(u, diameter, void, gas) - weight, 1e-6, 100))
 
 
 def pipe_fines_share(terminal: ArrayLike, velocity: float) -> Array:
