@@ -247,3 +247,57 @@ def test_faces_of_a_wall_see_what_hits_them_and_no_more(tmp_path: Path) -> None:
     log = solve(case)
     mass = re.findall(r"floor: total mass = ([^;]+);", log)[-1]
     assert float(mass) == pytest.approx(float(ball.mass[0]), rel=1e-5)
+
+
+GRID, LEAST = 5, 0.8
+"""Faces of the floor along a side; normal speed (m/s) of the slowest hit that counts."""
+
+
+def rain() -> Particles:
+    """A ball over the middle of each face of the floor, of all speeds: each hits it once in 30 ms,
+    or not at all (the last row)."""
+    middle = 0.1 * (np.arange(GRID) + 0.5) / GRID
+    x, y = (axis.ravel() for axis in np.meshgrid(middle, middle, indexing="ij"))
+    height = np.where(x > 0.09, 0.09, 0.012)
+    velocity = np.stack([0 * x, 0 * y, -np.linspace(0.6, 1.2, GRID**2)], axis=1)
+    return Particles.of(np.stack([x, y, height], axis=1), velocity, diameter=1e-3)
+
+
+def rained(folder: Path, treatment: Treatment | None, settings: dict[str, Any]) -> tuple[Path, str]:
+    """The rain after 30 ms, with contacts or in stock's solver without; and its log."""
+    contacts = None if treatment is None else Contacts(treatment=treatment)
+    box = replace(EMPTY, ends="wall", cells=(GRID, GRID, 2), end=0.03, step=1e-3,
+                  contacts=contacts)  # fmt: skip
+    case = box.make(folder, rain())
+    change(case, settings)
+    return case, solve(case, solver="DPMFoam" if treatment is None else "elutriaFoam")
+
+
+@pytest.mark.parametrize("treatment", TREATMENTS)
+def test_the_density_of_collisions_is_stocks(tmp_path: Path, treatment: Treatment) -> None:
+    """One over the face's area where a ball hit faster than `minSpeed`, else nothing."""
+    count = {FUNCTION: {"type": "patchCollisionDensity", "minSpeed": LEAST}}
+    thrown = rain()
+    fast = (thrown.position[:, 2] < 0.05) & (-thrown.velocity[:, 2] > LEAST)
+    area = (0.1 / GRID) ** 2
+    expected = np.sort(fast / area)
+    assert 0 < fast.sum() < len(fast)
+    for name, kind in {"ours": treatment, "stock": None}.items():
+        case, _ = rained(tmp_path / name, kind, count)
+        (file,) = (case / times(case)[-1]).glob("*collisionDensity")
+        values = re.findall(r"bottom\s*\{[^}]*nonuniform[^(]*\(([^)]*)\)", file.read_text())
+        found = np.sort(np.array(values[0].split(), dtype=float))
+        assert np.allclose(found, expected, rtol=1e-6), name
+
+
+@pytest.mark.parametrize("treatment", TREATMENTS)
+def test_what_escapes_without_a_feed_is_stocks(tmp_path: Path, treatment: Treatment) -> None:
+    """Those that hit the floor are gone, the others fly on; in the log, and of the cloud."""
+    out = local(ends="rebound", bottom="escape")
+    hit = int((rain().position[:, 2] < 0.05).sum())
+    for name, kind in {"ours": treatment, "stock": None}.items():
+        case, log = rained(tmp_path / name, kind, out)
+        assert fates(log, "escape") == hit, name
+        after = read_particles(case, times(case)[-1])
+        assert len(after.diameter) == GRID**2 - hit
+        assert np.allclose(after.position[:, 2], 0.09 + after.velocity[:, 2] * 0.03, atol=1e-9)
