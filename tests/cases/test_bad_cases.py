@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from elutria.classification.events import read_run
-from elutria_validation.harness.box import BoxCase, Contacts
+from elutria_validation.harness.box import TEMPLATE, BoxCase, Contacts
 from elutria_validation.harness.cases import (
     CLOUD,
     CONTACTS,
@@ -286,6 +286,81 @@ def test_an_entry_that_stands_twice(scene: Path, tmp_path: Path) -> None:
     code, found = start(case)
     assert code == 2
     assert "materials stands there twice" in found
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary"])
+def test_an_entry_of_a_field_that_stands_twice(scene: Path, tmp_path: Path, form: str) -> None:
+    """Of a value the last one rules, of a patch all of both, the last one first."""
+    case = from_the_start(scene, tmp_path / "case")
+    change(case, {f"{CONTROL}:writeFormat": form})
+    run_program(["setFields"], with_values(case, "U.air"))
+    field = case / "0/U.air"
+    before, patches, after = field.read_bytes().partition(b"boundaryField\n{")
+    again = b"west { type noSlip; }\n"
+    field.write_bytes(before + b"dimensions [0 1 -1 0 0 0 0];\n" + patches + again + after)
+    solve(case, options=["-plan"])
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    said = [row[1] for row in plan["decisions"] if row[0] == "not used"]
+    assert sorted(said) == ["0/U.air: boundaryField/west/type", "0/U.air: dimensions"]
+
+
+def with_values(case: Path, field: str) -> Path:
+    """Let setFields write a value for each cell of the field, which is not what it begins with."""
+    (case / "system/setFieldsDict").write_text(
+        "FoamFile { version 2.0; format ascii; class dictionary; object setFieldsDict; }\n"
+        f"defaultFieldValues ( volVectorFieldValue {field} (0 0 2) );\n"
+        "regions ( boxToCell { box (0 0 0) (1 1 0.05);"
+        f" fieldValues ( volVectorFieldValue {field} (0 0 2.5) ); }} );\n"
+    )
+    return case
+
+
+def test_an_entry_of_the_meshers_that_stands_twice(scene: Path, tmp_path: Path) -> None:
+    case = from_the_start(scene, tmp_path / "case")
+    (case / "system/blockMeshDict").write_text(
+        (TEMPLATE / "system/blockMeshDict").read_text() + "\nscale 1;\nscale 2;\n"
+    )
+    solve(case, options=["-plan"])
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    said = [row[1] for row in plan["decisions"] if row[0] == "not used"]
+    assert said == ["system/blockMeshDict: scale"]
+
+
+@pytest.mark.parametrize(
+    "beside",
+    ["// the column #c of the drawing", 'deep #calc "system(\\"touch made\\"), 0.1";',
+     "deep #codeStream { code #{ system(\"touch made\"); os << 0.1; #}; };"],
+)  # fmt: skip
+def test_code_of_a_mesh_hides_no_other_entry(scene: Path, tmp_path: Path, beside: str) -> None:
+    """It is not executed, and the rest is looked at."""
+    case = from_the_start(scene, tmp_path / "case")
+    text = (TEMPLATE / "system/blockMeshDict").read_text()
+    (case / "system/blockMeshDict").write_text(f"{text}\n{beside}\n")
+    assert start(case)[0] == 0
+    shutil.rmtree(case / "0.001")
+    (case / "system/blockMeshDict").write_text(f"{text}\n{beside}\nscale -1;\n")
+    code, said = start(case)
+    assert code == 2, said
+    assert "scale is -1, allowed: > 0" in said
+    assert not (case / "made").exists()
+
+
+def test_code_of_the_runs_own_files_is_still_executed(scene: Path, tmp_path: Path) -> None:
+    """What is left alone is the mesh's code; OpenFOAM refuses to execute any as root."""
+    case = from_the_start(scene, tmp_path / "case")
+    (case / "system/blockMeshDict").write_text(
+        (TEMPLATE / "system/blockMeshDict").read_text() + '\nn #calc "1 + 1";\n'
+    )
+    solution = case / "system/fvSolution"
+    text, places = re.subn(r"(nCorrectors +)\d", r'\1#calc "1 + 1"', solution.read_text())
+    assert places == 1
+    solution.write_text(text)
+    code, said = start(case)
+    if os.geteuid() == 0:
+        assert code == 2
+        assert "should not be executed" in said
+    else:
+        assert code == 0, said
 
 
 def test_a_misspelt_entry_behind_an_expression(scene: Path, tmp_path: Path) -> None:

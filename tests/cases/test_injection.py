@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from elutria.errors import ElutriaError
 from elutria_validation.harness.box import NO_DRAG, BoxCase, Contacts
-from elutria_validation.harness.cases import CLOUD, CONTROL, MODELS, change, read_gas, solve, times
+from elutria_validation.harness.cases import (
+    CLOUD,
+    CONTROL,
+    MODELS,
+    add_feed,
+    change,
+    read_gas,
+    solve,
+    times,
+    uniform,
+)
 from elutria_validation.harness.particles import HEADER, read_particles
 from elutria_validation.references.drag import fall
 
@@ -131,3 +143,38 @@ def test_what_enters_pushes_gas_away_where_the_case_says_so(
     rise = np.mean([read_gas(case, time)[-16:, 2].mean() for time in times(case)[10:]])
     pushed = np.pi / 6 * diameter**3 * per_second / 0.1**2 if displaces else 0.0
     measured("gas velocity at the outlet, m/s", abs(rise - pushed), 1e-4)
+
+
+FEED = {"massFlowRate": 0.01, "particles": 20, "duration": 0.01,
+        "materials": uniform(2650, 1e-3, 1.1e-3)}  # fmt: skip
+
+
+@pytest.mark.parametrize("feeds", [0, 2])
+def test_a_feed_that_no_model_brings_in_or_two_do_is_refused(tmp_path: Path, feeds: int) -> None:
+    """It was counted as lost: 100 % of the feed in no product."""
+    case = BoxCase(end=0.02).make(tmp_path / "case")
+    add_feed(case, FEED)
+    inject_at(case, [(0.05, 0.05, 0.05)], 1e-3)
+    change(case, {f"{MODELS}/injectionModels/feed{n}": {"type": "feed"} for n in range(feeds)})
+    with pytest.raises(ElutriaError) as refused:
+        solve(case)
+    for said in ("kinematicCloudProperties", "injectionModels", "type feed", "constant/feed"):
+        assert said in str(refused.value)
+
+
+def test_parcels_that_no_table_holds_are_told_of(tmp_path: Path) -> None:
+    """Beside the feed's; the tables are of the feed's alone."""
+    case = BoxCase(end=1e-3).make(tmp_path / "case")
+    add_feed(case, FEED)
+    solve(case, options=["-plan"])
+    assert "not counted" not in rows(case)
+    inject_at(case, [(0.05, 0.05, 0.05)], 1e-3)
+    change(case, {f"{MODELS}/injectionModels/feed": {"type": "feed"}})
+    solve(case, options=["-plan"])
+    assert "model" in rows(case)["not counted"]
+
+
+def rows(case: Path) -> dict[str, str]:
+    """Of the plan: what is decided about each thing."""
+    plan = json.loads((case / "postProcessing/plan.json").read_text())
+    return {what: decision for what, decision, _ in plan["decisions"]}

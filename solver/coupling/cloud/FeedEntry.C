@@ -17,13 +17,22 @@ namespace Foam
 
 void FeedEntry::findInjection()
 {
+    label found = 0;
     for (auto& injector : cloud_.injectors())
     {
         if (auto* injection = dynamic_cast<Injection*>(&injector))
         {
+            ++found;
             injection_ = injection;
             injection_->handOver();
         }
+    }
+    if (feed_ && found != 1)
+    {
+        FatalIOErrorInFunction(cloud_.particleProperties())
+            << "subModels.injectionModels: " << found << " models are of type"
+            << " feed, allowed: one, feed { type feed; }, or no constant/feed"
+            << exit(FatalIOError);
     }
 }
 
@@ -228,6 +237,20 @@ void FeedEntry::enter(StepParcels& step)
         step.ends.push_back({parcelName(*parcel), positions[k], true});
         countArrival(*parcel);
     }
+}
+
+
+wordList FeedEntry::uncounted() const
+{
+    DynamicList<word> names;
+    for (const auto& injector : cloud_.injectors())
+    {
+        if (feed_ && !isA<Injection>(injector))
+        {
+            names.append(injector.modelName());
+        }
+    }
+    return wordList(std::move(names));
 }
 
 

@@ -7,6 +7,7 @@
 
 #include "foam/fileEntries.H"
 #include "foam/ownEntries.H"
+#include "dictionary.H"
 #include "DynamicList.H"
 #include "IFstream.H"
 #include "OStringStream.H"
@@ -28,6 +29,17 @@ struct FileEntry
     std::string path;       // OUTER/INNER/NAME
     bool isDictionary, isConditional;
 };
+
+
+//- The format of a field's values, by the file's header
+word formatOf(const fileName& path)
+{
+    IFstream file(path);
+    const token first(file);
+    return
+        first.isWord() && first.wordToken() == "FoamFile"
+      ? dictionary(file).getOrDefault<word>("format", "ascii") : word("ascii");
+}
 
 
 //- Goes through a file's own text, without what it includes, and notes the
@@ -120,17 +132,28 @@ class Scan
         }
     }
 
+    //- A field's values are one token, whose text says nothing
+    static std::string textOf(const token& t)
+    {
+        if (t.isCompound())
+        {
+            return "values";
+        }
+        OStringStream written;
+        written << t;
+        return written.str();
+    }
+
 public:
 
     explicit Scan(const fileName& path)
     {
         IFstream file(path);
+        file.format(formatOf(path));
         token t;
         while (file.good() && file.read(t).good() && t.good())
         {
-            OStringStream written;
-            written << t;
-            const std::string text(written.str());
+            const std::string text(textOf(t));
             if (key_.empty() && t.lineNumber() != directive_)
             {
                 begin(text, t.lineNumber());

@@ -7,14 +7,12 @@
 
 #include "run/caseDictionaries.H"
 #include "run/caseFiles.H"
+#include "run/NothingExecuted.H"
 #include "run/exitHandling.H"
 #include "foam/Json.H"
 #include "foam/honoured.H"
 #include "foam/ownEntries.H"
-#include "dynamicCode.H"
-#include "functionEntry.H"
 #include "IFstream.H"
-#include "IStringStream.H"
 #include "OStringStream.H"
 #include "OSspecific.H"
 
@@ -185,51 +183,6 @@ std::string asJson(const dictionary& dict)
 }
 
 
-//- In place of what #calc and #codeStream would execute: their name
-bool keepName
-(
-    const char* const name,
-    const dictionary& dict,
-    primitiveEntry& e,
-    Istream& is
-)
-{
-    token code(is);
-    if (code.isPunctuation() && code.pToken() == token::BEGIN_BLOCK)
-    {
-        is.putBack(code);
-        dictionary(dict, is);
-    }
-    IStringStream text(std::string("\"") + name + "\";");
-    e.read(dict, text);
-    return true;
-}
-
-
-void executeNothing()
-{
-    dynamicCode::allowSystemOperations = 0;
-    auto& functions =
-        *functionEntry::executeprimitiveEntryIstreamMemberFunctionTablePtr_;
-    functions.set
-    (
-        "calc",
-        [](const dictionary& dict, primitiveEntry& e, Istream& is)
-        {
-            return keepName("#calc", dict, e, is);
-        }
-    );
-    functions.set
-    (
-        "codeStream",
-        [](const dictionary& dict, primitiveEntry& e, Istream& is)
-        {
-            return keepName("#codeStream", dict, e, is);
-        }
-    );
-}
-
-
 std::string asJson(const wordList& names)
 {
     std::vector<std::string> all;
@@ -287,7 +240,7 @@ bool isText(const fileName& root, const word& name)
 
 std::string dictionariesAsJson(const fileName& root)
 {
-    executeNothing();
+    const NothingExecuted whileReading;
     std::vector<std::string> files;
     for (const char* const folder : {"constant", "system"})
     {

@@ -108,6 +108,17 @@ void dropNamed(DynamicList<word>& files, const fileName& root, string text)
 }
 
 
+//- Is it a dictionary of the programs that make the mesh or evaluate a run?
+bool isDictionaryOfOthers(const word& file)
+{
+    const honoured::Item* const item =
+        honoured::find(honoured::kind::file, file);
+    return
+        item && item->is == honoured::use::others
+     && file.compare(0, 7, "system/") == 0;
+}
+
+
 //- Entries of a file that it has again further down
 void addOverwritten
 (
@@ -261,6 +272,10 @@ std::vector<caseFiles::Unused> caseFiles::unused
             {
                 left.append(file);
             }
+            else if (isDictionaryOfOthers(file))
+            {
+                addOverwritten(found, root, file);
+            }
         }
     }
     dropNamed(left, root, text);
@@ -276,9 +291,14 @@ std::vector<caseFiles::Unused> caseFiles::unused
     }
     for (const fileName& field : inTime)
     {
+        const word file(mesh.time().timeName() + '/' + field, false);
         if (!mesh.foundObject<regIOobject>(field))
         {
-            left.append(word(mesh.time().timeName() + '/' + field, false));
+            left.append(file);
+        }
+        else if (isFile(root/file))
+        {
+            addOverwritten(found, root, file);
         }
     }
     for (const word& file : left)

@@ -6,13 +6,12 @@
 \*---------------------------------------------------------------------------*/
 
 #include "run/controls.H"
+#include "run/NothingExecuted.H"
 #include "foam/foamVersion.H"
 #include "foam/requireAllowed.H"
 #include "IFstream.H"
-#include "OSspecific.H"
 #include "Time.H"
 
-#include <fstream>
 #include <regex>
 #include <vector>
 
@@ -22,11 +21,16 @@ namespace Foam
 namespace
 {
 
-//- Entries of a file, by a regular expression for OUTER/INNER/NAME
+//- A regular expression for OUTER/INNER/NAME, made once
+struct Entries : std::regex
+{
+    Entries(const char* const text) : std::regex(text) {}
+};
+
 struct Place
 {
     const char* file;
-    const char* entries;
+    Entries entries;
 };
 
 struct Number : Place { Range allowed; };
@@ -79,7 +83,7 @@ const Rule* ruleOf
 {
     for (const Rule& rule : rules)
     {
-        if (file == rule.file && std::regex_match(path, std::regex(rule.entries)))
+        if (file == rule.file && std::regex_match(path, rule.entries))
         {
             return &rule;
         }
@@ -170,14 +174,11 @@ void requireSoundBlocks(const fileName& root)
     for (const char* const folder : {"system", "constant/polyMesh"})
     {
         const fileName file(root/folder/"blockMeshDict");
-        std::ifstream stream(file);
-        std::ostringstream text;
-        text << stream.rdbuf();
-
-        // What it would execute is blockMesh's alone
-        if (stream && text.str().find("#c") == std::string::npos)
+        IFstream is(file);
+        if (is.good())
         {
-            IFstream is(file);
+            // What it would execute is blockMesh's alone
+            const NothingExecuted whileReading;
             requireSoundControl("blockMeshDict", dictionary(is));
         }
     }

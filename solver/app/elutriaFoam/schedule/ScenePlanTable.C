@@ -330,6 +330,15 @@ void ScenePlan::announce
             "solution: " + listed(idle) + ": ours replaces it"
         );
     }
+    const wordList uncounted(cloud.uncounted());
+    if (!uncounted.empty())
+    {
+        table.row
+        (
+            "not counted", "injection: " + listed(uncounted),
+            "products and ledger are of constant/feed's particles alone"
+        );
+    }
     for (const caseFiles::Unused& one : unused)
     {
         table.row("not used", one.what, one.why);
