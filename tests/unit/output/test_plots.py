@@ -231,8 +231,9 @@ def test_figures_say_at_which_velocities_runs_have_warnings(tmp_path: Path) -> N
     for row in found.summary:
         row["warnings"] = 2.0 if row["gas_velocity_m_s"] == 4 else 0.0
     plots._caption(figure, found.settings, found.summary)
-    (said,) = [text.get_text() for text in figure.findobj(Text) if text.get_text()]
-    assert said.endswith(": 4 m/s")
+    (said,) = [text for text in figure.findobj(Text) if text.get_text()]
+    assert said.get_text().endswith(": 4\u00a0m/s"), "no line ends between number and unit"
+    assert said.get_fontsize() >= 7
 
 
 def test_axes_keep_their_labels_beside_warnings(tmp_path: Path) -> None:

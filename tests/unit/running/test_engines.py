@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from elutria.errors import InputError
 from elutria.running import worker
+from elutria.running.engine import open_engine
 from tests.support import dask, slurm
 from tests.support.engines import command, sweep, tables
 
@@ -242,3 +244,12 @@ def test_what_slurm_refuses_is_one_line(column: Path, tmp_path: Path) -> None:
     assert "--engine slurm:partition=nowhere: Slurm refuses it" in done.stderr
     assert "invalid partition" in done.stderr.lower()
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("engine", ["dask:tcp://127.0.0.1:1", "slurm:partition=short"])
+def test_an_engine_without_its_package_is_one_line(
+    engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("elutria.running.engine.find_spec", lambda _: None)
+    with pytest.raises(InputError, match=rf"^--engine {engine}: \w+ is not installed; allowed: "):
+        open_engine(engine, 0, 1, (tmp_path, tmp_path), print)

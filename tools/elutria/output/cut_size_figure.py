@@ -96,7 +96,7 @@ def _legend(figure: Figure, names: list[str], lines: list[Row]) -> None:
     colour = "0.35" if names else MATERIAL_COLOURS[0]
     handles: list[Any] = [
         Line2D([], [], color=colour, marker="|", ms=7, mew=0.8, linestyle="none"),
-        Line2D([], [], color=colour, linewidth=3.5, alpha=0.3),
+        Line2D([], [], color=colour, linewidth=3.5, alpha=0.3, solid_capstyle="butt"),
     ]
     labels = ["95 % interval of $d_{50}$", "$d_{25}$ to $d_{75}$"]
     if lines:

@@ -75,6 +75,7 @@ def _caption(figure: Figure, settings: Settings, summary: list[Row]) -> None:
     """Below a figure: which runs have warnings."""
     warned = {settings.of(row) for row in summary if row.get("warnings", 0) > 0}
     if warned:
-        runs = "; ".join(settings.label(one) for one in settings.all if one in warned)
+        labels = [settings.label(one) for one in settings.all if one in warned]
+        runs = "; ".join(label.replace(" ", "\u00a0") for label in labels)  # lines break between
         said = f"With warnings (warnings.json of the runs): {runs}"
-        figure.supxlabel(said, fontsize=6, color="0.35", wrap=True)
+        figure.supxlabel(said, fontsize=7, color="0.35", wrap=True)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from elutria.errors import InputError, one_line
-from elutria.running.engine import EXTRA
 from elutria.running.run import SOLVER
 
 SLOTS = "slots"
@@ -26,11 +25,9 @@ def dask_executor(
 ) -> Iterator[Executor]:
     """The workers of the scheduler at `address` (or of the scheduler file `ADDRESS.json`), `np`
     slots a job. A job of a worker that is lost is begun again by another one."""
+    import distributed
+
     name = f"--engine dask:{one_line(address, 80)}"
-    try:
-        import distributed
-    except ImportError:
-        raise InputError(f"{name}: dask.distributed is not installed; allowed: {EXTRA}") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # it is told in one line
     place = {"scheduler_file" if address.endswith(".json") else "address": address}
     connect: Any = distributed.Client

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 
 from elutria.errors import InputError, one_line
@@ -53,11 +54,21 @@ def open_engine(
     if text == "local":
         return local_executor(slots(text, jobs, np))
     if kind == "dask" and rest:
+        _need("distributed", text)
         from elutria.running.dask_engine import dask_executor
 
         return dask_executor(rest, np, case.resolve(), say)
     if kind == "slurm" and (rest or not colon):
+        _need("submitit", text)
         from elutria.running.slurm_engine import slurm_executor
 
         return slurm_executor(rest, jobs, np, folder)
     raise InputError(f"--engine '{one_line(text, 60)}'; allowed: {ALLOWED}")
+
+
+def _need(package: str, engine: str) -> None:
+    """Raises InputError where the package of an engine is not installed."""
+    if find_spec(package) is None:
+        raise InputError(
+            f"--engine {one_line(engine, 80)}: {package} is not installed; allowed: {EXTRA}"
+        )

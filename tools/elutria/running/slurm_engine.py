@@ -21,7 +21,6 @@ from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.running.engine import EXTRA
 
 EVERY = 1.0
 """Seconds between two looks for results."""
@@ -38,12 +37,10 @@ def slurm_executor(options: str, jobs: int, np: int, folder: Path) -> Iterator[E
     """Arrays of `np` processors a job, at most `jobs` of an array at a time (0: Slurm decides),
     with sbatch's long `options` (`partition=short,time=60`). Raises InputError where Slurm refuses
     them."""
+    from submitit import SlurmExecutor
+
     given = _parse(options)
     name = f"--engine slurm{':' if options else ''}{one_line(options, 80)}"
-    try:
-        from submitit import SlurmExecutor
-    except ImportError:
-        raise InputError(f"{name}: submitit is not installed; allowed: {EXTRA}") from None
     if shutil.which("sbatch") is None or shutil.which("srun") is None:
         raise InputError(f"{name}: sbatch: not found on PATH; allowed: on a machine with Slurm")
     _try(name, given, np)
