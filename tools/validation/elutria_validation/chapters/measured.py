@@ -5,7 +5,7 @@ Processor time: pipe two minutes, settings six, each of the others half a minute
 
 from __future__ import annotations
 
-from elutria_validation.chapters.measured_bed import bed
+from elutria_validation.chapters.measured_bed import bed, bed_velocities
 from elutria_validation.chapters.measured_cut import cut_in_air
 from elutria_validation.chapters.measured_dispersion import dispersion
 from elutria_validation.chapters.measured_pipe import pipe, settings
@@ -15,4 +15,4 @@ NAME = "measured"
 TITLE = "Against measurements"
 HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed."
 
-SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed)
+SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities)
