@@ -288,6 +288,13 @@ def test_an_entry_that_stands_twice(scene: Path, tmp_path: Path) -> None:
     assert "materials stands there twice" in found
 
 
+def test_a_file_of_ours_that_need_not_be_there(scene: Path, tmp_path: Path) -> None:
+    case = from_the_start(scene, tmp_path / "case")
+    (case / "system/scenePlan").unlink()
+    code, said = start(case)
+    assert code == 0, said
+
+
 @pytest.mark.parametrize("form", ["ascii", "binary"])
 def test_an_entry_of_a_field_that_stands_twice(scene: Path, tmp_path: Path, form: str) -> None:
     """Of a value the last one rules, of a patch all of both, the last one first."""

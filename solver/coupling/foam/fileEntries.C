@@ -35,9 +35,10 @@ struct FileEntry
 word formatOf(const fileName& path)
 {
     IFstream file(path);
-    const token first(file);
+    token first;
     return
-        first.isWord() && first.wordToken() == "FoamFile"
+        file.good() && file.read(first).good()
+     && first.isWord() && first.wordToken() == "FoamFile"
       ? dictionary(file).getOrDefault<word>("format", "ascii") : word("ascii");
 }
 
