@@ -1,6 +1,7 @@
 """What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
 
-Processor time: pipe two minutes, settings six, each of the others half a minute at most.
+Processor time: pipe two minutes, settings six, a bed 20 s for each second that is computed (of 12
+at most, for each of its three flows), each of the others half a minute at most.
 """
 
 from __future__ import annotations
