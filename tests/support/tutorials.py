@@ -37,6 +37,7 @@ class Tutorial:
     cells: Mapping[str, str] = field(default_factory=dict)
     surface: str = ""
     """Its surface among the tutorials' geometries."""
+    steps: int = STEPS
 
 
 def springs(size: float, modulus: float) -> dict[str, Any]:
@@ -59,7 +60,7 @@ def springs(size: float, modulus: float) -> dict[str, Any]:
 
 
 def made(tutorial: Tutorial, root: Path, folder: Path) -> Path:
-    """The tutorial, meshed, that ends after STEPS steps; its compressed cloud is unpacked."""
+    """The tutorial, meshed, that ends after its steps; its compressed cloud is unpacked."""
     shutil.copytree(root / "lagrangian" / tutorial.name, folder)
     packed = folder / f"{CLOUD}.gz"
     if packed.is_file():
@@ -78,7 +79,8 @@ def made(tutorial: Tutorial, root: Path, folder: Path) -> Path:
     if tutorial.surface:
         run_program(["snappyHexMesh", "-overwrite"], folder)
     step = float(re.findall(r"^deltaT\s+(\S+);", (folder / CONTROL).read_text(), re.M)[0])
-    change(folder, {f"{CONTROL}:endTime": STEPS * step, f"{CONTROL}:writeInterval": STEPS * step,
+    change(folder, {f"{CONTROL}:endTime": tutorial.steps * step,
+                    f"{CONTROL}:writeInterval": tutorial.steps * step,
                     f"{CONTROL}:writeFormat": "ascii", f"{CONTROL}:writePrecision": 12,
                     **tutorial.settings})  # fmt: skip
     return folder
