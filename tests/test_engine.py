@@ -41,6 +41,7 @@ def test_engine_under_sanitizers() -> None:
     """No input of the tests reads out of bounds, leaks or does what the language leaves open."""
     folder = ROOT / "build/sanitized"
     options = ["-DELUTRIA_SANITIZE=ON", f"-DELUTRIA_PRODUCTS={folder}"]
+    libraries = f"{folder / 'lib'}:{os.environ.get('LD_LIBRARY_PATH', '')}"  # not the usual build's
     for command in (
         ["cmake", "-S", ROOT / "solver/dem", "-B", folder, *options],
         ["cmake", "--build", folder, "--target", "elutriaDemTests", "-j2"],
@@ -48,7 +49,10 @@ def test_engine_under_sanitizers() -> None:
     ):
         done = subprocess.run(
             command,
-            env={**os.environ, "OMP_WAIT_POLICY": "passive", "UBSAN_OPTIONS": "print_stacktrace=1"},
+            env={
+                **os.environ, "LD_LIBRARY_PATH": libraries, "OMP_WAIT_POLICY": "passive",
+                "UBSAN_OPTIONS": "print_stacktrace=1",
+            },  # fmt: skip
             capture_output=True,
             text=True,
             check=False,
