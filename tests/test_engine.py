@@ -50,9 +50,11 @@ def test_engine_under_sanitizers() -> None:
         done = subprocess.run(
             command,
             env={
-                **os.environ, "LD_LIBRARY_PATH": libraries, "OMP_WAIT_POLICY": "passive",
+                **os.environ,
+                "LD_LIBRARY_PATH": libraries,
+                "OMP_WAIT_POLICY": "passive",
                 "UBSAN_OPTIONS": "print_stacktrace=1",
-            },  # fmt: skip
+            },
             capture_output=True,
             text=True,
             check=False,
