@@ -68,8 +68,8 @@ def absent(
                 Warned(
                     name="noCut",
                     what=f"the curve of {row['material']} has no {', '.join(missing)}",
-                    how_much=f"of the sizes that left, {100 * share[0]:.3g} % of "
-                    f"{1e6 * size[0]:.4g} um and {100 * share[1]:.3g} % of {1e6 * size[1]:.4g} um "
+                    how_much=f"of the sizes that left, {_per_cent(share[0])} % of "
+                    f"{1e6 * size[0]:.4g} um and {_per_cent(share[1])} % of {1e6 * size[1]:.4g} um "
                     f"go to {coarse}",
                     what_to_set="feed sizes on both sides of the cut (sizeDistribution of "
                     "constant/feed), or choose another gas velocity",
@@ -77,3 +77,8 @@ def absent(
                 )
             )
     return found
+
+
+def _per_cent(share: float) -> str:
+    """Three digits, none of them below a hundredth of a per cent."""
+    return f"{round(100 * share, 2):.3g}"
