@@ -146,12 +146,13 @@ def test_two_processors_are_steered_as_one_is(tmp_path: Path) -> None:
 
 def test_frames_keep_to_their_rate(tmp_path: Path) -> None:
     case = box(tmp_path / "box")
+    change(case, {"system/frames:perSecond": 200})  # of steps of 1 ms, on any machine
     solve(case, options=FRAMES)
     times = np.array([frame.time for frame in frames_of(case)])
     written = np.isclose(times, 0.1 * np.round(times / 0.1))  # one then too, for a restart
     gaps = np.diff(times[~written])
     assert len(gaps) > 0
-    assert gaps.min() >= 1 / 30 - 1e-9
+    assert gaps.min() >= 1 / 200 - 1e-9
 
 
 def test_a_restart_keeps_the_frames_before_it_and_no_others(tmp_path: Path) -> None:
