@@ -332,9 +332,7 @@ def compare(
     from elutria.comparing.answer import write_comparison
 
     folder = to or results / "compare"
-    lines, figures = write_comparison(
-        results, measured, folder, velocity, material, formats or ["png"]
-    )
+    lines, figures = write_comparison(results, measured, folder, velocity, material, formats or ())
     for line in [*lines, *map(str, figures)]:
         _say(line)
 

@@ -23,62 +23,56 @@ namespace Foam
 namespace
 {
 
-//- How long a feed lasts [s]
-scalar durationIn(const dictionary& feed)
+//- How much a feed asks for
+struct Asked
 {
-    const auto table =
-        feed.found("massFlowRate") ? readRateTable(feed) : nullptr;
-    return feedDuration(feed, table.get());
-}
+    scalar duration;    // s, GREAT: until its particles are fed
+    bool counted;
+    label particles;    // the most there can be: not counted
+
+    explicit Asked(const dictionary& feed)
+    :
+        counted(feed.found("particles")),
+        particles(feed.getOrDefault<label>("particles", labelMax))
+    {
+        const auto table =
+            feed.found("massFlowRate") ? readRateTable(feed) : nullptr;
+        duration = feedDuration(feed, table.get());
+    }
+
+    //- Is the number of parcels, which weigh, spread over the duration?
+    bool spread(const Feed& before) const
+    {
+        return before.weighted() && counted && duration < GREAT;
+    }
+};
 
 
-label particlesIn(const dictionary& feed)
+//- Would the parcels weigh as those of the feed as it was?
+bool weighAlike(const Feed& before, const Asked& was, const Asked& now)
 {
-    return feed.getOrDefault<label>("particles", labelMax);
-}
-
-
-//- Are a number of parcels spread over a feed that ends?
-bool spreads(const Feed& before, const dictionary& feed)
-{
+    const scalar wanted = scalar(now.particles)*was.duration;
     return
-        before.weighted() && feed.found("particles")
-     && durationIn(feed) < GREAT;
+        !now.spread(before) || now.particles == was.particles
+     || mag(wanted - was.particles*now.duration) < 1e-9*wanted;
 }
 
 
-//- Would its parcels weigh as those of the feed as it was?
-bool weighAlike
-(
-    const Feed& before,
-    const dictionary& was,
-    const dictionary& feed
-)
-{
-    const scalar then = particlesIn(was), now = particlesIn(feed);
-    const scalar wanted = now*durationIn(was);
-    return
-        !spreads(before, feed) || now == then
-     || mag(wanted - then*durationIn(feed)) < 1e-9*wanted;
-}
-
-
-//- Number of the parcels that a stretch feeds until `end`, after `fed` of them
+//- Number of the parcels of a stretch of this length, after `fed` of them
 label ownParticles
 (
     const Feed& before,
-    const dictionary& was,
-    const dictionary& feed,
+    const Asked& was,
+    const Asked& now,
     const label fed,
     const scalar length
 )
 {
-    const label particles = particlesIn(feed);
-    if (spreads(before, feed) && particles == particlesIn(was))
+    if (now.spread(before) && now.particles == was.particles)
     {
-        return max(1, label(std::round(particles/durationIn(was)*length)));
+        return max(1, label(std::round(now.particles/was.duration*length)));
     }
-    return particles - fed;
+    return now.particles - fed;
 }
 
 
@@ -182,14 +176,15 @@ void Feed::beginStretch
         changed.found("loading") || changed.found("massFlowRate");
 
     // Parcels that weigh as before go on where the feed would have ended
+    const Asked asked(case_), askedBefore(was);
     const scalar now = mesh_.time().value();
     const bool goesOn =
         !otherRate
-     && durationIn(case_) >= durationIn(was)
-     && particlesIn(case_) >= particlesIn(was)
-     && weighAlike(*before_, was, case_);
+     && asked.duration >= askedBefore.duration
+     && asked.particles >= askedBefore.particles
+     && weighAlike(*before_, askedBefore, asked);
     const scalar from = goesOn ? max(now, before_->end()) : now;
-    const scalar end = before_->start() + durationIn(case_);
+    const scalar end = before_->start() + asked.duration;
     first_ = before_->fedUntil(from);
 
     OStringStream more;
@@ -203,8 +198,9 @@ void Feed::beginStretch
             more.str()
         );
     }
-    const label own = ownParticles(*before_, was, case_, first_, end - from);
-    if (case_.found("particles") && own < 1)
+    const label own =
+        ownParticles(*before_, askedBefore, asked, first_, end - from);
+    if (asked.counted && own < 1)
     {
         more<< "more than " << first_ << ", as so many are fed";
         refuse("particles", more.str());

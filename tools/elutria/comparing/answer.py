@@ -28,7 +28,7 @@ DIFFERS = 0.05
 
 def write_comparison(
     folder: Path, file: Path, to: Path, velocity: float | None = None, material: str | None = None,
-    formats: Sequence[str] = ("png",),
+    formats: Sequence[str] = (),
 ) -> tuple[list[str], list[Path]]:  # fmt: skip
     """Compare RESULTS with a measurement's `file`: lines that say what came out, and the figures.
 

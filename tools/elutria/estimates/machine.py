@@ -122,8 +122,8 @@ def finished(slow: float) -> list[Spent]:
 
 
 def delivered(slow: float) -> list[Spent]:
-    """Runs of the cases of the repository that `elutria bench price` made, as they would be on a
-    machine that takes `slow` times as long as the reference."""
+    """Runs of cases of the repository, as on a machine that takes `slow` times as long as the
+    reference: the file says how they were made. `elutria bench price` makes them anew."""
     kept = json.loads(files("elutria.estimates").joinpath("delivered.json").read_text())
     return [scaled(Spent(**entries), slow) for entries in kept["runs"]]
 
