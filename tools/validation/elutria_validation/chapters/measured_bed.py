@@ -19,7 +19,6 @@ from elutria_validation.book.rows import Row, Section
 from elutria_validation.harness.box import BoxCase, Contacts, Material, Pair
 from elutria_validation.harness.cases import (
     CONTROL,
-    MODELS,
     PARAMETERS,
     add_feed,
     change,
@@ -151,7 +150,6 @@ def _made(folder: Path, box: BoxCase, start: Particles) -> Path:
              for name, density in (("glass", GLASS_DENSITY), ("light", LIGHT_DENSITY))}  # fmt: skip
     add_feed(case, {"materials": kinds, "massFlowRate": 1e-3, "particles": 1, "start": 1e3,
                     "outlets": {"out": ["top"]}})  # fmt: skip
-    change(case, {f"{MODELS}/injectionModels": {}})
     return case
 
 
