@@ -55,12 +55,25 @@ def solve(
 ) -> str:
     """Run the solver with its `options` in `case`; its output, also kept in log.SOLVER. Raises
     ElutriaError with the solver's reason."""
+    if processors > 1:
+        decompose(case)
+    return solve_decomposed(case, processors, solver, options)
+
+
+def decompose(case: Path) -> None:
+    """Cut a case into the pieces of its decomposeParDict, in place of those there are."""
+    run_program(["decomposePar", "-force"], case)
+    # decomposePar turns positions into coordinates and forgets to say so
+    for file in case.glob("processor*/*/uniform/lagrangian/*/cloudProperties"):
+        change(file.parent, {f"{file.name}:geometry": "coordinates"})
+
+
+def solve_decomposed(
+    case: Path, processors: int, solver: str = "elutriaFoam", options: Sequence[str] = ()
+) -> str:
+    """solve() of a case that has been cut into pieces already."""
     command = [solver]
     if processors > 1:
-        run_program(["decomposePar", "-force"], case)
-        # decomposePar turns positions into coordinates and forgets to say so
-        for file in case.glob("processor*/*/uniform/lagrangian/*/cloudProperties"):
-            change(file.parent, {f"{file.name}:geometry": "coordinates"})
         command = ["mpirun", "-np", str(processors), solver, "-parallel"]
     with started_in(case, [*command, *options]) as placed:
         done = subprocess.run(placed, cwd=case, capture_output=True, text=True, check=False)
