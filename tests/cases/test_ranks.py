@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from foamlib import FoamFile
 
 from elutria import tables
 from elutria_validation.harness.box import CLOSED, PERIODIC, BoxCase, Contacts, Pair, Treatment
@@ -94,6 +95,27 @@ def test_impacts_in_frozen_gas_are_recorded_alike_to_the_byte(
     assert len(set(work["exchanges"])) == 1
     assert (work["sent_bytes"] > 0).all()
     assert recorded(parallel) == recorded(serial)
+
+
+def test_a_feed_by_loading_is_the_same_to_the_last_bit(tmp_path: Path) -> None:
+    # its rate is from sums over the inlet's faces, its focus from one over the cells
+    feed: dict[str, object] = {"loading": 0.7, "particles": 100, "parcels": "evenSizes",
+                               "duration": 0.01, "materials": FEED["materials"]}  # fmt: skip
+    fed = []
+    for name, ranks in (("serial", 1), ("parallel", 4)):
+        case = decomposed(column(tmp_path / name, feed, "impact"), ranks)
+        change(case, {f"{CONTROL}:writePrecision": 17, f"{CONTROL}:endTime": 0.012,
+                      f"{CONTROL}:writeInterval": 0.012})  # fmt: skip
+        solve(case, ranks)
+        if ranks > 1:
+            run_program(["reconstructPar", "-latestTime"], case)
+        folder = case / "0.012/lagrangian/kinematicCloud"
+        fed.append(
+            [np.sort(np.asarray(FoamFile(folder / name)[None])) for name in ("d", "nParticle")]
+        )
+    assert len(fed[0][0]) > 90
+    for serial, parallel in zip(*fed, strict=True):
+        assert serial.tolist() == parallel.tolist()
 
 
 @pytest.mark.parametrize(

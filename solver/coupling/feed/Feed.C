@@ -10,6 +10,7 @@
 #include "feed/feedRate.H"
 #include "feed/grainDensity.H"
 #include "feed/grainForm.H"
+#include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
 #include "foam/requireAllowed.H"
@@ -140,7 +141,7 @@ scalar Feed::boundaryGasFlow(const word& phaseName) const
         );
         flow += sum(max(inward, scalar(0)));
     }
-    return returnReduce(flow, sumOp<scalar>());
+    return ofAnyOrder(returnReduce(flow, sumOp<scalar>()));
 }
 
 
@@ -496,10 +497,8 @@ const Feed& Feed::require
 void Feed::tellGasFlow(const scalar massFlow, const word& phaseName)
 {
     // In few enough digits that the file gives it back
-    OStringStream text;
-    text.precision(min(10, int(IOstream::defaultPrecision())));
-    text<< massFlow;
-    gasFlow_ = std::stod(text.str());
+    gasFlow_ =
+        inDigits(massFlow, min(10, int(IOstream::defaultPrecision())));
     gasFlowTold_ = true;
     readAmounts(phaseName);
 }

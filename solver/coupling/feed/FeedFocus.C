@@ -10,6 +10,7 @@ Description
 \*---------------------------------------------------------------------------*/
 
 #include "feed/Feed.H"
+#include "foam/digits.H"
 #include "foam/foamVersion.H"
 #include "uniformDimensionedFields.H"
 #include "volFields.H"
@@ -21,12 +22,15 @@ elutria::laws::Gas Feed::gas(const word& phaseName) const
 {
     const auto mean = [&](const char* field)
     {
-        return gAverage
+        return ofAnyOrder
         (
-            mesh_.lookupObject<volScalarField>
+            gAverage
             (
-                IOobject::groupName(field, phaseName)
-            ).primitiveField()
+                mesh_.lookupObject<volScalarField>
+                (
+                    IOobject::groupName(field, phaseName)
+                ).primitiveField()
+            )
         );
     };
     return {mean("rho"), mean("mu")};
@@ -44,7 +48,8 @@ scalar Feed::superficialSpeed(const word& phaseName) const
 {
     const vector g(gravity());
     const scalarField height(mesh_.points() & g/max(mag(g), VSMALL));
-    const scalar section = gSum(mesh_.V())/(gMax(height) - gMin(height));
+    const scalar section =
+        ofAnyOrder(gSum(mesh_.V())/(gMax(height) - gMin(height)));
     return gasFlow_/(gas(phaseName).density*section);
 }
 
