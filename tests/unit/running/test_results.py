@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -208,3 +209,66 @@ def test_bad_points_are_one_line(column: Path, tmp_path: Path, text: str, said: 
     file.write_text(text)
     with pytest.raises(InputError, match=said):
         read_points(Case(column), file)
+
+
+INCLUDE = '#include "../../common/rates"'
+
+
+def with_files_elsewhere(column: Path) -> tuple[Path, Path]:
+    """Give the column a variable of a file beside it, and a sieve analysis at its top."""
+    common = column.parent / "common/rates"
+    common.parent.mkdir()
+    common.write_text("rate 1e-4;\n")
+    (column / "sieves.csv").write_text("diameter_mm,retained_g\n2,0\n1,5\n0.5,5\n")
+    feed = column / "constant/feed"
+    text = feed.read_text().replace("#include", f"{INCLUDE}\n#include", 1)
+    text = re.sub(r"\bloading\s+\$loading;", "massFlowRate $rate;", text)
+    law = 'sizeDistribution { type sieve; file "sieves.csv"; }'
+    feed.write_text(re.sub(r"(?s)sizeDistribution\s*\{.*?\}", law, text))
+    return common, column / "sieves.csv"
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_files_elsewhere_are_inputs_too(column: Path, tmp_path: Path) -> None:
+    """What is included from outside of the case, and a csv file at its top, is in each copy, and a
+    run is one of other inputs when it changes."""
+    files = with_files_elsewhere(column)
+    to = tmp_path / "far/results/one"
+    case = Case(column)
+    copy = run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    assert copy.feed().mass_flow_rate == 1e-4
+    assert (to / "sieves.csv").read_bytes() == files[1].read_bytes()
+    for file, name in zip(files, ("../../common/rates", "sieves.csv"), strict=True):
+        before = file.read_text()
+        file.write_text(before + "\n")
+        with pytest.raises(InputError, match=rf"run of other inputs \({re.escape(name)}\)"):
+            run_case(case, to, case.settings_for(5, SMALL), anew=False)
+        file.write_text(before)
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_what_a_mesh_script_may_read_is_input(column: Path, tmp_path: Path) -> None:
+    (column / "Allmesh").write_text("#!/bin/sh\ncp -r drawings/polyMesh constant\n")
+    (column / "Allmesh").chmod(0o755)
+    (column / "drawings/polyMesh").mkdir(parents=True)
+    drawing = column / "drawings/tube.stl"
+    drawing.write_text("solid tube")
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    (column / "README.md").write_text("a note")
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    drawing.write_text("solid bent")
+    with pytest.raises(InputError, match=r"other inputs \(drawings/tube\.stl\)"):
+        run_case(case, to, case.settings_for(5, SMALL), anew=False)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_case_may_lie_below_any_name(column: Path, tmp_path: Path) -> None:
+    (tmp_path / "polyMesh").mkdir()
+    case = Case(column.rename(tmp_path / "polyMesh/column"))
+    run_case(case, tmp_path / "one", case.settings_for(5, SMALL), anew=False)
+    feed = case.path / "constant/feed"
+    feed.write_text(feed.read_text().replace("2650", "2700"))
+    with pytest.raises(InputError, match=r"other inputs \(constant/feed\)"):
+        run_case(case, tmp_path / "one", case.settings_for(5, SMALL), anew=False)

@@ -24,6 +24,7 @@ from elutria.openfoam.dictionary import (
     read_list,
     set_entry,
 )
+from elutria.openfoam.elsewhere import FOLDERS, name_the_same, named_elsewhere
 from elutria.openfoam.mesh import check_mesh
 from elutria.openfoam.own_mesh import is_stale, keeps_mesh
 from elutria.physics.drag import Gas
@@ -233,12 +234,14 @@ class Case:
     def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
         """Copy the case to a new `folder` with `settings` applied; results are left behind."""
         keep_zero = not (self.path / "0.orig").is_dir()
+        named = set(named_elsewhere(self.path))
 
         def skip(where: str, names: list[str]) -> set[str]:
             skipped = set(shutil.ignore_patterns(*_LEFT_BEHIND)(where, names))
             if Path(where) != self.path:  # tables of a result lie at the top, others are input
                 skipped -= {name for name in names if name.endswith(".csv")}
             else:
+                skipped -= named
                 skipped |= {n for n in names if _is_time(n) and not (keep_zero and n == "0")}
             return skipped
 
@@ -253,6 +256,8 @@ class Case:
                     f"{self.path}: cannot be copied: {one_line(error.args[0][0][2])}"
                 ) from error
         copy = Case(folder)
+        with writing_to(folder):
+            name_the_same(self.path, folder)
         for setting in settings:
             set_entry(folder / setting.file, setting.entry, setting.value, folder)
         return copy
@@ -275,8 +280,7 @@ class Case:
     def file_hashes(self) -> dict[str, str]:
         """SHA-256 of each of the case's input files, by its path within the case."""
         return {
-            path.relative_to(self.path).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in _files(self.path)
+            name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in _inputs(self.path)
         }
 
     def value(self, file: str, entry: str) -> str:
@@ -296,8 +300,8 @@ class Case:
     def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
         """Hash of all that decides a run: the case's files, the settings, the processors."""
         digest = hashlib.sha256()
-        for path in _files(self.path):
-            digest.update(str(path.relative_to(self.path)).encode() + b"\0")
+        for name, path in _inputs(self.path):
+            digest.update(name.encode() + b"\0")
             digest.update(path.read_bytes() + b"\0")
         digest.update(repr([*settings, np]).encode())
         return digest.hexdigest()
@@ -315,14 +319,39 @@ def _is_time(name: str) -> bool:
         return False
 
 
+def _inputs(case: Path) -> Iterator[tuple[str, Path]]:
+    """The files that decide a run, and their names: the case's own, and those elsewhere that its
+    dictionaries name."""
+    for path in _files(case):
+        yield path.relative_to(case).as_posix(), path
+    yield from named_elsewhere(case).items()
+
+
 def _files(case: Path) -> Iterator[Path]:
-    """The input files of a case, in a fixed order; the mesh only when nothing makes it."""
+    """The input files of a case, in a fixed order; the mesh only when nothing makes it, and all
+    that lies in the case where a script of its own does, which may read any."""
     folders = ["0.orig" if (case / "0.orig").is_dir() else "0", "constant", "system"]
     scripts = [case / name for name in MESH_SCRIPTS if (case / name).is_file()]
     kept = not scripts and keeps_mesh(case)
     paths: list[Any] = [*scripts]
     for folder in folders:
         paths += sorted((case / folder).rglob("*"))
+    if scripts:
+        paths += _for_scripts(case)
     for path in paths:
-        if path.is_file() and (kept or "polyMesh" not in path.parts):
+        if path.is_file() and (kept or "polyMesh" not in path.relative_to(case).parts):
             yield path
+
+
+def _for_scripts(case: Path) -> Iterator[Path]:
+    """Files of a case beside its dictionaries, its programs to run it and what a run left."""
+    others = shutil.ignore_patterns(
+        *_LEFT_BEHIND,
+        "All*",
+        "*.md",
+        *FOLDERS,
+        *(p.name for p in case.iterdir() if _is_time(p.name)),
+    )
+    names = [path.name for path in case.iterdir()]
+    for name in sorted({*names} - others(str(case), names)):
+        yield from [case / name] if (case / name).is_file() else sorted((case / name).rglob("*"))
