@@ -15,10 +15,12 @@ import pytest
 
 from elutria import tables
 from elutria.case.case import Case
+from elutria.classification.precision import Precision
 from elutria.errors import InputError
 from elutria.files import read_csv
 from elutria.running.axes import grid, read_points
 from elutria.running.run import run_case
+from elutria.running.sweep import plan
 from tests.support.sweeps import SMALL, sweep
 
 LOADING = "system/simulationParameters:loading"
@@ -272,3 +274,68 @@ def test_a_case_may_lie_below_any_name(column: Path, tmp_path: Path) -> None:
     feed.write_text(feed.read_text().replace("2650", "2700"))
     with pytest.raises(InputError, match=r"other inputs \(constant/feed\)"):
         run_case(case, tmp_path / "one", case.settings_for(5, SMALL), anew=False)
+
+
+def test_a_parameter_that_no_file_takes_is_no_label(column: Path, fake_solver: Path) -> None:
+    """A loading that was written out in constant/feed, and its seed: a sweep of the parameter would
+    give one result under two labels, and replicates one run twice."""
+    feed = column / "constant/feed"
+    text = feed.read_text().replace("$loading;", "0.5; // $loading;").replace("$seed;", "3;")
+    feed.write_text(text)
+    to = column.parent / "results"
+    takes = r"column/system/simulationParameters: {0}: no file of the case takes \${0}, .*feed:{0}$"
+    with pytest.raises(InputError, match=takes.format("loading")):
+        sweep(column, to, "5", vary=[f"{LOADING}=0.1,0.2"])
+    with pytest.raises(InputError, match=takes.format("loading")):
+        sweep(column, to, "5", extra=[f"{LOADING}=0.1"])
+    with pytest.raises(InputError, match=takes.format("seed")):
+        sweep(column, to, "5", replicates=2)
+    with pytest.raises(InputError, match=takes.format("seed")):
+        sweep(column, to, "5", precision=Precision(0.01, 3))
+    assert not to.exists()
+    assert started(fake_solver) == []
+    plan(Case(column), to, grid(Case(column), "5", ["constant/feed:loading=0.1,0.2"]), 1, [])
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("Allmesh", "python3 mesh.py"),
+        ("system/mesh.py", "stages = parameters['stages']"),
+        ("system/topoSetDict", 'a #calc "$stages + 1";'),
+        ("constant/g", '#calc #{ dict.get<label>("stages") #}'),
+        ("system/simulationParameters", "feedStage ${stages};"),
+    ],
+)
+def test_a_parameter_may_be_taken_anywhere(column: Path, file: str, text: str) -> None:
+    with (column / "system/simulationParameters").open("a") as parameters:
+        parameters.write("stages 3;\n")
+    if file == "Allmesh":
+        text = text.replace("mesh.py", "mesh.py stages")
+    with (column / file).open("a") as stream:
+        stream.write(f"{text}\n")
+    Case(column).require_used("system/simulationParameters:stages")
+
+
+def test_the_gas_velocity_is_given_once(column: Path) -> None:
+    with pytest.raises(InputError, match=r"--set \S+:gasVelocity: .*allowed: --velocity alone"):
+        Case(column).settings_for(6, ["system/simulationParameters:gasVelocity=7"])
+
+
+def test_points_have_folders_of_their_own(column: Path, tmp_path: Path) -> None:
+    case, vary = Case(column), "constant/feed:velocity"
+    points = grid(case, "5", [f"{vary}=(0.4 0 0),(-0.4 0 0)"])
+    assert [point.folder for point in points] == [
+        "U5_constant-feed-velocity=0.4-0-0", "U5_constant-feed-velocity=-0.4-0-0"
+    ]  # fmt: skip
+    assert len(plan(case, tmp_path / "to", points, 1, [])) == 2
+    alike = grid(case, "5", [f"{vary}=(0.4 0 0),(0.4  0 0 )"])
+    with pytest.raises(InputError, match=r"--vary: .* are both U5_constant-feed-velocity=0\.4-0-0"):
+        plan(case, tmp_path / "to", alike, 1, [])
+
+
+def test_a_point_has_one_gas_velocity(column: Path, tmp_path: Path) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text("gas_velocity_m_s,system/simulationParameters:gasVelocity\n5,6\n")
+    with pytest.raises(InputError, match=r"points\.csv: columns .* allowed: one of both"):
+        read_points(Case(column), file)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -27,6 +28,7 @@ from elutria.openfoam.dictionary import (
 from elutria.openfoam.elsewhere import FOLDERS, name_the_same, named_elsewhere
 from elutria.openfoam.mesh import check_mesh
 from elutria.openfoam.own_mesh import is_stale, keeps_mesh
+from elutria.openfoam.text import without_comments
 from elutria.physics.drag import Gas
 from elutria.physics.laws import Grain, drag_title
 
@@ -35,6 +37,8 @@ VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
 CLOUD = "constant/kinematicCloudProperties"
 """Of the cloud that the solver takes unless it is told another's name."""
+_LARGEST_DICTIONARY = 1_000_000
+"""Bytes; larger files are fields."""
 MESH_SCRIPTS = ("Allmesh", "Allrun.pre")
 """What makes a case's mesh otherwise than blockMesh alone; the first that is there."""
 
@@ -226,10 +230,37 @@ class Case:
     def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
         """The settings of one run, checked to lie within the case."""
         settings = [Setting.parse(text) for text in extra]
+        names = [f"{setting.file}:{setting.entry}" for setting in settings]
+        if velocity is not None and VELOCITY in names:
+            raise InputError(f"--set {VELOCITY}: is --velocity's; allowed: --velocity alone")
+        self.refuse_other_files([setting.file for setting in settings])
+        for name in names:
+            self.require_used(name)
         if velocity is not None:
             settings.append(Setting.parse(f"{VELOCITY}={velocity:.12g}"))
-        self.refuse_other_files([setting.file for setting in settings])
         return settings
+
+    def require_used(self, name: str) -> None:
+        """Raise InputError where FILE:ENTRY is of the file of parameters and no file of the case
+        takes it: another value would change nothing but the label of a result."""
+        file, _, entry = name.partition(":")
+        if file != PARAMETERS or name == VELOCITY or "/" in entry:
+            return  # the gas velocity is compared with the solved gas
+        by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
+        as_word = re.compile(rf"(?<!\w){re.escape(entry)}(?!\w)")
+        for path in dict(_inputs(self.path)).values():
+            if path.stat().st_size > _LARGEST_DICTIONARY:
+                continue
+            text = path.read_text("latin-1")
+            is_program = path.name in MESH_SCRIPTS or path.suffix in (".py", ".sh")
+            if (is_program and as_word.search(text)) or by_name.search(without_comments(text)):
+                return
+        if not self.dictionary(PARAMETERS).entries.keys() & {entry}:
+            return  # set_entry says what there is
+        raise InputError(
+            f"{self.name}/{PARAMETERS}: {entry}: no file of the case takes ${entry}, so that its "
+            f"value changes nothing; allowed: an entry that acts, such as constant/feed:{entry}"
+        )
 
     def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
         """Copy the case to a new `folder` with `settings` applied; results are left behind."""
