@@ -339,3 +339,28 @@ def test_a_point_has_one_gas_velocity(column: Path, tmp_path: Path) -> None:
     file.write_text("gas_velocity_m_s,system/simulationParameters:gasVelocity\n5,6\n")
     with pytest.raises(InputError, match=r"points\.csv: columns .* allowed: one of both"):
         read_points(Case(column), file)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["system/snappyHexMeshDict", "system/topoSetDict", "system/createPatchDict.inlets",
+     "system/extrudeMeshDict", "system/zigzagMesh.py", "constant/triSurface/tube.stl.gz"],
+)  # fmt: skip
+@pytest.mark.usefixtures("fake_solver")
+def test_a_run_goes_on_in_the_mesh_that_it_has(column: Path, tmp_path: Path, name: str) -> None:
+    """What makes the mesh is refused when it has changed: the mesh would not."""
+    (column / "constant/triSurface").mkdir()
+    (column / name).write_text("a 1;\n")
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+    (column / name).write_text("a 2;\n")
+    with pytest.raises(InputError, match=rf"^{name}: has changed"):
+        run_case(Case(column), to, case.settings_for(5, SMALL), extend=True)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_another_number_of_processors_is_named(column: Path, tmp_path: Path) -> None:
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+    with pytest.raises(InputError, match=r"other inputs \(--np 1, now 2\)"):
+        run_case(case, to, case.settings_for(5, SMALL), 2, anew=False)
