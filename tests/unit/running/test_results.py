@@ -302,6 +302,7 @@ def test_a_parameter_that_no_file_takes_is_no_label(column: Path, fake_solver: P
     [
         ("Allmesh", "python3 mesh.py"),
         ("system/mesh.py", "stages = parameters['stages']"),
+        ("system/mesh.py", "of = read('system/simulationParameters')['sta' + 'ges']"),
         ("system/topoSetDict", 'a #calc "$stages + 1";'),
         ("constant/g", '#calc #{ dict.get<label>("stages") #}'),
         ("system/simulationParameters", "feedStage ${stages};"),

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from elutria.case.feed import Feed, Material, read_feed
+from elutria.case.feed import ENTRIES, Feed, Material, read_feed
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
 from elutria.openfoam.dictionary import (
@@ -247,7 +247,9 @@ class Case:
         if file != PARAMETERS or name == VELOCITY or "/" in entry:
             return  # the gas velocity is compared with the solved gas
         by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
-        as_word = re.compile(rf"(?<!\w){re.escape(entry)}(?!\w)")
+        # a program may put the name together; what feeds is constant/feed's alone
+        named = re.escape(entry) if entry in ENTRIES else f"{re.escape(entry)}|{Path(file).name}"
+        as_word = re.compile(rf"(?<!\w)({named})(?!\w)")
         for path in dict(_inputs(self.path)).values():
             if path.stat().st_size > _LARGEST_DICTIONARY:
                 continue
