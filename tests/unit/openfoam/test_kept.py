@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
 
+from elutria.errors import InputError
 from elutria.openfoam import kept
 from elutria.openfoam.asked import _answers, ask
 
@@ -162,3 +164,31 @@ def test_a_plan_is_of_a_mesh_as_old_as_it_is(case: Path) -> None:
     before = _dates(case)
     os.utime(case / "system/controlDict", (1, 1))
     assert before != _dates(case)
+
+
+@pytest.mark.parametrize(
+    ("does", "ends"),
+    [
+        ("while time.process_time() < 1.5: pass", True),
+        ("time.sleep(60)", False),  # a pipe
+        ("while True: pass", False),  # a device
+    ],
+    ids=["on a busy machine", "waits", "never ends"],
+)
+def test_a_reader_may_wait_for_the_processor_alone(
+    starts: Path, case: Path, monkeypatch: pytest.MonkeyPatch, does: str, ends: bool
+) -> None:
+    monkeypatch.setattr("elutria.openfoam.asked._LONGEST_WAIT", 1.0)
+    monkeypatch.setattr("elutria.openfoam.asked._LONGEST_WORK", 2.5)
+    program = starts.parent / "programs/bin/elutriaFoam"
+    said = program.with_name("said")
+    program.rename(said)
+    program.write_text(
+        f"#!{sys.executable}\nimport os, time\n{does}\nos.execv({str(said)!r}, [{str(said)!r}])\n"
+    )
+    program.chmod(0o755)
+    if ends:
+        assert asked(case)[0] == "1"
+    else:
+        with pytest.raises(InputError, match=r"takes more than 1 s to read"):
+            asked(case)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,10 +15,12 @@ import pytest
 
 from elutria import tables
 from elutria.case.case import Case
+from elutria.classification.precision import Precision
 from elutria.errors import InputError
 from elutria.files import read_csv
 from elutria.running.axes import grid, read_points
 from elutria.running.run import run_case
+from elutria.running.sweep import plan
 from tests.support.sweeps import SMALL, sweep
 
 LOADING = "system/simulationParameters:loading"
@@ -208,3 +211,157 @@ def test_bad_points_are_one_line(column: Path, tmp_path: Path, text: str, said: 
     file.write_text(text)
     with pytest.raises(InputError, match=said):
         read_points(Case(column), file)
+
+
+INCLUDE = '#include "../../common/rates"'
+
+
+def with_files_elsewhere(column: Path) -> tuple[Path, Path]:
+    """Give the column a variable of a file beside it, and a sieve analysis at its top."""
+    common = column.parent / "common/rates"
+    common.parent.mkdir()
+    common.write_text("rate 1e-4;\n")
+    (column / "sieves.csv").write_text("diameter_mm,retained_g\n2,0\n1,5\n0.5,5\n")
+    feed = column / "constant/feed"
+    text = feed.read_text().replace("#include", f"{INCLUDE}\n#include", 1)
+    text = re.sub(r"\bloading\s+\$loading;", "massFlowRate $rate;", text)
+    law = 'sizeDistribution { type sieve; file "sieves.csv"; }'
+    feed.write_text(re.sub(r"(?s)sizeDistribution\s*\{.*?\}", law, text))
+    return common, column / "sieves.csv"
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_files_elsewhere_are_inputs_too(column: Path, tmp_path: Path) -> None:
+    """What is included from outside of the case, and a csv file at its top, is in each copy, and a
+    run is one of other inputs when it changes."""
+    files = with_files_elsewhere(column)
+    to = tmp_path / "far/results/one"
+    case = Case(column)
+    copy = run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    assert copy.feed().mass_flow_rate == 1e-4
+    assert (to / "sieves.csv").read_bytes() == files[1].read_bytes()
+    for file, name in zip(files, ("../../common/rates", "sieves.csv"), strict=True):
+        before = file.read_text()
+        file.write_text(before + "\n")
+        with pytest.raises(InputError, match=rf"run of other inputs \({re.escape(name)}\)"):
+            run_case(case, to, case.settings_for(5, SMALL), anew=False)
+        file.write_text(before)
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_what_a_mesh_script_may_read_is_input(column: Path, tmp_path: Path) -> None:
+    (column / "Allmesh").write_text("#!/bin/sh\ncp -r drawings/polyMesh constant\n")
+    (column / "Allmesh").chmod(0o755)
+    (column / "drawings/polyMesh").mkdir(parents=True)
+    drawing = column / "drawings/tube.stl"
+    drawing.write_text("solid tube")
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    (column / "README.md").write_text("a note")
+    run_case(case, to, case.settings_for(5, SMALL), anew=False)
+    drawing.write_text("solid bent")
+    with pytest.raises(InputError, match=r"other inputs \(drawings/tube\.stl\)"):
+        run_case(case, to, case.settings_for(5, SMALL), anew=False)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_case_may_lie_below_any_name(column: Path, tmp_path: Path) -> None:
+    (tmp_path / "polyMesh").mkdir()
+    case = Case(column.rename(tmp_path / "polyMesh/column"))
+    run_case(case, tmp_path / "one", case.settings_for(5, SMALL), anew=False)
+    feed = case.path / "constant/feed"
+    feed.write_text(feed.read_text().replace("2650", "2700"))
+    with pytest.raises(InputError, match=r"other inputs \(constant/feed\)"):
+        run_case(case, tmp_path / "one", case.settings_for(5, SMALL), anew=False)
+
+
+def test_a_parameter_that_no_file_takes_is_no_label(column: Path, fake_solver: Path) -> None:
+    """A loading that was written out in constant/feed, and its seed: a sweep of the parameter would
+    give one result under two labels, and replicates one run twice."""
+    feed = column / "constant/feed"
+    text = feed.read_text().replace("$loading;", "0.5; // $loading;").replace("$seed;", "3;")
+    feed.write_text(text)
+    to = column.parent / "results"
+    takes = r"column/system/simulationParameters: {0}: no file of the case takes \${0}, .*feed:{0}$"
+    with pytest.raises(InputError, match=takes.format("loading")):
+        sweep(column, to, "5", vary=[f"{LOADING}=0.1,0.2"])
+    with pytest.raises(InputError, match=takes.format("loading")):
+        sweep(column, to, "5", extra=[f"{LOADING}=0.1"])
+    with pytest.raises(InputError, match=takes.format("seed")):
+        sweep(column, to, "5", replicates=2)
+    with pytest.raises(InputError, match=takes.format("seed")):
+        sweep(column, to, "5", precision=Precision(0.01, 3))
+    assert not to.exists()
+    assert started(fake_solver) == []
+    plan(Case(column), to, grid(Case(column), "5", ["constant/feed:loading=0.1,0.2"]), 1, [])
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("Allmesh", "python3 mesh.py"),
+        ("system/mesh.py", "stages = parameters['stages']"),
+        ("system/mesh.py", "of = read('system/simulationParameters')['sta' + 'ges']"),
+        ("system/topoSetDict", 'a #calc "$stages + 1";'),
+        ("constant/g", '#calc #{ dict.get<label>("stages") #}'),
+        ("system/simulationParameters", "feedStage ${stages};"),
+    ],
+)
+def test_a_parameter_may_be_taken_anywhere(column: Path, file: str, text: str) -> None:
+    with (column / "system/simulationParameters").open("a") as parameters:
+        parameters.write("stages 3;\n")
+    if file == "Allmesh":
+        text = text.replace("mesh.py", "mesh.py stages")
+    with (column / file).open("a") as stream:
+        stream.write(f"{text}\n")
+    Case(column).require_used("system/simulationParameters:stages")
+
+
+def test_the_gas_velocity_is_given_once(column: Path) -> None:
+    with pytest.raises(InputError, match=r"--set \S+:gasVelocity: .*allowed: --velocity alone"):
+        Case(column).settings_for(6, ["system/simulationParameters:gasVelocity=7"])
+
+
+def test_points_have_folders_of_their_own(column: Path, tmp_path: Path) -> None:
+    case, vary = Case(column), "constant/feed:velocity"
+    points = grid(case, "5", [f"{vary}=(0.4 0 0),(-0.4 0 0)"])
+    assert [point.folder for point in points] == [
+        "U5_constant-feed-velocity=0.4-0-0", "U5_constant-feed-velocity=-0.4-0-0"
+    ]  # fmt: skip
+    assert len(plan(case, tmp_path / "to", points, 1, [])) == 2
+    alike = grid(case, "5", [f"{vary}=(0.4 0 0),(0.4  0 0 )"])
+    with pytest.raises(InputError, match=r"--vary: .* are both U5_constant-feed-velocity=0\.4-0-0"):
+        plan(case, tmp_path / "to", alike, 1, [])
+
+
+def test_a_point_has_one_gas_velocity(column: Path, tmp_path: Path) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text("gas_velocity_m_s,system/simulationParameters:gasVelocity\n5,6\n")
+    with pytest.raises(InputError, match=r"points\.csv: columns .* allowed: one of both"):
+        read_points(Case(column), file)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["system/snappyHexMeshDict", "system/topoSetDict", "system/createPatchDict.inlets",
+     "system/extrudeMeshDict", "system/zigzagMesh.py", "constant/triSurface/tube.stl.gz"],
+)  # fmt: skip
+@pytest.mark.usefixtures("fake_solver")
+def test_a_run_goes_on_in_the_mesh_that_it_has(column: Path, tmp_path: Path, name: str) -> None:
+    """What makes the mesh is refused when it has changed: the mesh would not."""
+    (column / "constant/triSurface").mkdir()
+    (column / name).write_text("a 1;\n")
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+    (column / name).write_text("a 2;\n")
+    with pytest.raises(InputError, match=rf"^{name}: has changed"):
+        run_case(Case(column), to, case.settings_for(5, SMALL), extend=True)
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_another_number_of_processors_is_named(column: Path, tmp_path: Path) -> None:
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+    with pytest.raises(InputError, match=r"other inputs \(--np 1, now 2\)"):
+        run_case(case, to, case.settings_for(5, SMALL), 2, anew=False)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from elutria.case.feed import Feed, Material, read_feed
+from elutria.case.feed import ENTRIES, Feed, Material, read_feed
 from elutria.errors import InputError, one_line, suggestion
 from elutria.files import writing_to
 from elutria.openfoam.dictionary import (
@@ -24,8 +25,10 @@ from elutria.openfoam.dictionary import (
     read_list,
     set_entry,
 )
+from elutria.openfoam.elsewhere import FOLDERS, name_the_same, named_elsewhere
 from elutria.openfoam.mesh import check_mesh
 from elutria.openfoam.own_mesh import is_stale, keeps_mesh
+from elutria.openfoam.text import without_comments
 from elutria.physics.drag import Gas
 from elutria.physics.laws import Grain, drag_title
 
@@ -34,6 +37,8 @@ VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
 CLOUD = "constant/kinematicCloudProperties"
 """Of the cloud that the solver takes unless it is told another's name."""
+_LARGEST_DICTIONARY = 1_000_000
+"""Bytes; larger files are fields."""
 MESH_SCRIPTS = ("Allmesh", "Allrun.pre")
 """What makes a case's mesh otherwise than blockMesh alone; the first that is there."""
 
@@ -225,20 +230,51 @@ class Case:
     def settings_for(self, velocity: float | None, extra: Iterable[str]) -> list[Setting]:
         """The settings of one run, checked to lie within the case."""
         settings = [Setting.parse(text) for text in extra]
+        names = [f"{setting.file}:{setting.entry}" for setting in settings]
+        if velocity is not None and VELOCITY in names:
+            raise InputError(f"--set {VELOCITY}: is --velocity's; allowed: --velocity alone")
+        self.refuse_other_files([setting.file for setting in settings])
+        for name in names:
+            self.require_used(name)
         if velocity is not None:
             settings.append(Setting.parse(f"{VELOCITY}={velocity:.12g}"))
-        self.refuse_other_files([setting.file for setting in settings])
         return settings
+
+    def require_used(self, name: str) -> None:
+        """Raise InputError where FILE:ENTRY is of the file of parameters and no file of the case
+        takes it: another value would change nothing but the label of a result."""
+        file, _, entry = name.partition(":")
+        if file != PARAMETERS or name == VELOCITY or "/" in entry:
+            return  # the gas velocity is compared with the solved gas
+        by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
+        # a program may put the name together; what feeds is constant/feed's alone
+        named = re.escape(entry) if entry in ENTRIES else f"{re.escape(entry)}|{Path(file).name}"
+        as_word = re.compile(rf"(?<!\w)({named})(?!\w)")
+        for path in dict(_inputs(self.path)).values():
+            if path.stat().st_size > _LARGEST_DICTIONARY:
+                continue
+            text = path.read_text("latin-1")
+            is_program = path.name in MESH_SCRIPTS or path.suffix in (".py", ".sh")
+            if (is_program and as_word.search(text)) or by_name.search(without_comments(text)):
+                return
+        if not self.dictionary(PARAMETERS).entries.keys() & {entry}:
+            return  # set_entry says what there is
+        raise InputError(
+            f"{self.name}/{PARAMETERS}: {entry}: no file of the case takes ${entry}, so that its "
+            f"value changes nothing; allowed: an entry that acts, such as constant/feed:{entry}"
+        )
 
     def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
         """Copy the case to a new `folder` with `settings` applied; results are left behind."""
         keep_zero = not (self.path / "0.orig").is_dir()
+        named = set(named_elsewhere(self.path))
 
         def skip(where: str, names: list[str]) -> set[str]:
             skipped = set(shutil.ignore_patterns(*_LEFT_BEHIND)(where, names))
             if Path(where) != self.path:  # tables of a result lie at the top, others are input
                 skipped -= {name for name in names if name.endswith(".csv")}
             else:
+                skipped -= named
                 skipped |= {n for n in names if _is_time(n) and not (keep_zero and n == "0")}
             return skipped
 
@@ -253,6 +289,8 @@ class Case:
                     f"{self.path}: cannot be copied: {one_line(error.args[0][0][2])}"
                 ) from error
         copy = Case(folder)
+        with writing_to(folder):
+            name_the_same(self.path, folder)
         for setting in settings:
             set_entry(folder / setting.file, setting.entry, setting.value, folder)
         return copy
@@ -275,8 +313,7 @@ class Case:
     def file_hashes(self) -> dict[str, str]:
         """SHA-256 of each of the case's input files, by its path within the case."""
         return {
-            path.relative_to(self.path).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in _files(self.path)
+            name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in _inputs(self.path)
         }
 
     def value(self, file: str, entry: str) -> str:
@@ -296,8 +333,8 @@ class Case:
     def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
         """Hash of all that decides a run: the case's files, the settings, the processors."""
         digest = hashlib.sha256()
-        for path in _files(self.path):
-            digest.update(str(path.relative_to(self.path)).encode() + b"\0")
+        for name, path in _inputs(self.path):
+            digest.update(name.encode() + b"\0")
             digest.update(path.read_bytes() + b"\0")
         digest.update(repr([*settings, np]).encode())
         return digest.hexdigest()
@@ -315,14 +352,39 @@ def _is_time(name: str) -> bool:
         return False
 
 
+def _inputs(case: Path) -> Iterator[tuple[str, Path]]:
+    """The files that decide a run, and their names: the case's own, and those elsewhere that its
+    dictionaries name."""
+    for path in _files(case):
+        yield path.relative_to(case).as_posix(), path
+    yield from named_elsewhere(case).items()
+
+
 def _files(case: Path) -> Iterator[Path]:
-    """The input files of a case, in a fixed order; the mesh only when nothing makes it."""
+    """The input files of a case, in a fixed order; the mesh only when nothing makes it, and all
+    that lies in the case where a script of its own does, which may read any."""
     folders = ["0.orig" if (case / "0.orig").is_dir() else "0", "constant", "system"]
     scripts = [case / name for name in MESH_SCRIPTS if (case / name).is_file()]
     kept = not scripts and keeps_mesh(case)
     paths: list[Any] = [*scripts]
     for folder in folders:
         paths += sorted((case / folder).rglob("*"))
+    if scripts:
+        paths += _for_scripts(case)
     for path in paths:
-        if path.is_file() and (kept or "polyMesh" not in path.parts):
+        if path.is_file() and (kept or "polyMesh" not in path.relative_to(case).parts):
             yield path
+
+
+def _for_scripts(case: Path) -> Iterator[Path]:
+    """Files of a case beside its dictionaries, its programs to run it and what a run left."""
+    others = shutil.ignore_patterns(
+        *_LEFT_BEHIND,
+        "All*",
+        "*.md",
+        *FOLDERS,
+        *(p.name for p in case.iterdir() if _is_time(p.name)),
+    )
+    names = [path.name for path in case.iterdir()]
+    for name in sorted({*names} - others(str(case), names)):
+        yield from [case / name] if (case / name).is_file() else sorted((case / name).rglob("*"))

@@ -11,6 +11,7 @@ from pathlib import Path
 from elutria.errors import InputError
 from elutria.files import reading
 from elutria.openfoam.asked import ask
+from elutria.openfoam.elsewhere import name_the_same
 from elutria.openfoam.mesh import FILES
 from elutria.openfoam.started import started_in
 
@@ -73,6 +74,7 @@ def _is_made(case: Path, _files: tuple[object, ...]) -> bool:
         shutil.copytree(case / "system", copy / "system")
         left = shutil.ignore_patterns("polyMesh", "settledGas")
         shutil.copytree(case / "constant", copy / "constant", ignore=left)
+        name_the_same(case, copy)
         with started_in(copy, [program]) as command:
             subprocess.run(
                 command, cwd=copy, capture_output=True, stdin=subprocess.DEVNULL, check=False

@@ -10,7 +10,13 @@ _TOKEN = re.compile(
     r"""//[^\n]* | /\*.*?\*/ | \#\{.*?\#\} | "(?:\\.|[^"\\])*" | [{}();] | [^\s{}();"]+""",
     re.DOTALL | re.VERBOSE,
 )
+_COMMENT = re.compile(r'("(?:\\.|[^"\\\n])*")|//[^\n]*|/\*.*?\*/', re.DOTALL)
 _LINE = re.compile(r"[^\n]*")
+
+
+def without_comments(text: str) -> str:
+    """`text` with a blank for each of its comments."""
+    return _COMMENT.sub(lambda found: found[1] or " ", text)
 
 
 def values_of(text: str, keys: Sequence[str]) -> list[tuple[int, int]]:

@@ -56,7 +56,7 @@ class Point:
 def _in_names(text: str) -> str:
     """`text` as part of a folder's name, also for a shell and for OpenFOAM."""
     text = text.removeprefix("system/simulationParameters:")
-    return re.sub(r"[^A-Za-z0-9.+-]+", "-", text).strip("-")
+    return "-".join(part for part in re.split(r"[^A-Za-z0-9.+-]+", text) if part)
 
 
 def parse_velocities(text: str) -> list[float]:
@@ -175,6 +175,8 @@ def read_points(case: Case, file: Path) -> list[Point]:
     if len(rows) < 2:
         raise InputError(f"{file}: holds no points; allowed: a line of names, then a row per run")
     names = [name.strip() for name in rows[0]]
+    if {tables.VELOCITY, VELOCITY} <= {*names}:
+        raise InputError(f"{file}: columns {tables.VELOCITY} and {VELOCITY}; allowed: one of both")
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{file}: column '{name}' is there twice")

@@ -135,6 +135,8 @@ def run_case(
                 _go_on(folder, replace(marker, ready=True), before, solving)
         elif not anew and (before is not None or (folder / FINISHED).is_file()):
             found = before.identity.differences(marker.identity) if before else []
+            if before and before.np != np and not found:
+                found = [f"--np {before.np}, now {np}"]
             raise InputError(
                 f"{folder}: holds a run of other inputs ({', '.join(found) or 'unknown ones'}); "
                 "--extend goes on from it, another --to keeps both; without the folder it is run "

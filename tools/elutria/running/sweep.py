@@ -100,8 +100,21 @@ def plan(
         first = Member(point, 1, folder / point.folder, settings, neighbour)
         family.append(first.folder)
         members += [first, *(_replicate(case, first, r) for r in range(2, replicates + 1))]
+    _refuse_one_folder(members)
     case.check_settings(*(member.settings for member in members if member.replicate == 1))
     return members
+
+
+def _refuse_one_folder(members: list[Member]) -> None:
+    """Two words may look alike in the name of a folder, where one run would replace the other."""
+    named: dict[Path, Member] = {}
+    for member in members:
+        other = named.setdefault(member.folder, member)
+        if other is not member:
+            raise InputError(
+                f"--vary: '{other.name}' and '{member.name}' are both {member.folder.name} as the "
+                "name of a folder; allowed: one of them, each in a folder of results of its own"
+            )
 
 
 def _refuse_set_twice(points: list[Point], extra: list[str]) -> None:
@@ -112,6 +125,7 @@ def _refuse_set_twice(points: list[Point], extra: list[str]) -> None:
 
 def _replicate(case: Case, first: Member, number: int) -> Member:
     """Replicate `number` (2, 3, ...) of a point's first run: the same with another seed."""
+    case.require_used(SEED)
     seed = seed_of(case, first.settings) + number - 1
     return Member(
         first.point,
@@ -142,11 +156,13 @@ def run_sweep(
     """Have the executor run what is not finished, each processor with so many `threads` at most,
     and write the tables of all that is complete in the folder of the results, by this call or an
     earlier one."""
+    case = results.case
+    if goal is not None:
+        case.require_used(SEED)
     with writing_to(results.folder):
         results.folder.mkdir(parents=True, exist_ok=True)
     results.write_identity()
     result = SweepResult()
-    case = results.case
     todo = [m for m in members if not is_finished(m.folder, case.fingerprint(m.settings, np))]
     if todo:
         _look_ahead(case, members, todo, watcher, goal)
