@@ -481,6 +481,34 @@ def test_a_memory_fault_while_reading_does_not_blame_the_mesh(scene: Path, tmp_p
     assert "a defect of elutriaFoam" in said
 
 
+PAIR = {"restitution": 0.8, "friction": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("material", "pairs", "said"),
+    [
+        (
+            "quartz",
+            ("quartz-west", "west-quartz"),
+            "quartz-west and west-quartz, allowed: one",
+        ),
+        ("west", ("west-west",), "west-west is the name of two pairs of materials and walls"),
+    ],
+)
+def test_pairs_of_materials_are_told_apart(
+    scene: Path, tmp_path: Path, material: str, pairs: tuple[str, ...], said: str
+) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    feed = case / malformed.FEED
+    feed.write_text(re.sub(r"\bquartz\b", material, feed.read_text()))
+    change(case, {f"{CONTACTS}/pairs": dict.fromkeys(pairs, PAIR)})
+    code, told = start(case)
+    assert code == 2, told
+    assert said in told
+    assert "kinematicCloudProperties" in told
+
+
 SIZES = f"{malformed.FEED}:materials/quartz/sizeDistribution"
 FORCES = f"{MODELS}/particleForces"
 MISSPELT = [

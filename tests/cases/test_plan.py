@@ -61,6 +61,37 @@ def test_check_shows_a_rate_over_time_and_a_density_that_scatters(
     assert re.search(r"4000.*3500\.\..*4500", said)
 
 
+def test_check_counts_the_parcels_that_the_feeds_duration_holds(
+    column: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of particles of 0.01 g at 1 g/s, 0.1 s has 9; 500 are asked for."""
+    feed = column / "constant/feed"
+    text = re.sub(r"\bloading\s+\$loading;", "massFlowRate 1e-3;", feed.read_text())
+    text = re.sub(r"(?s)sizeDistribution\s*\{.*?\}",
+                  "sizeDistribution { type fixedValue; value 2e-3; }", text)  # fmt: skip
+    feed.write_text(text)
+    for entry, value in {"parcels": "particles", "particles": "500", "feedTime": "0.1"}.items():
+        set_entry(column / PARAMETERS, entry, value, column)
+    main(["check", str(column)])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "parcels 9 (fewer than the 500 asked for: duration ends before)" in said
+
+
+@pytest.mark.parametrize(
+    ("end", "start", "fed"), [("0.5", "0", "2500"), ("2", "5", "0")], ids=["amid", "before"]
+)
+def test_a_run_that_ends_before_its_feed_says_so(
+    column: Path, end: str, start: str, fed: str
+) -> None:
+    set_entry(column / "system/controlDict", "endTime", end, column)
+    set_entry(column / "constant/feed", "start", start, column)
+    cut = "the run ends before its feed is over"
+    (said,) = [w for w in ask_plan(Case(column))["warnings"] if cut in w]
+    assert f"{cut}: {fed} of 5000 parcels enter by endTime, {end} s; raise endTime" in said
+    set_entry(column / "system/controlDict", "endTime", str(float(start) + 1.1), column)
+    assert not [w for w in ask_plan(Case(column))["warnings"] if cut in w]
+
+
 def changed(column: Path, name: str) -> Case:
     """One of five cases made of the default column."""
     parameters = dict(BRIEF)

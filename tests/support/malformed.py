@@ -60,10 +60,13 @@ EXECUTABLE = [
     '"`touch executed`"',
     '"; touch executed #"',
 ]
-SOLUTION, MESH = "system/fvSolution", "system/blockMeshDict"
+SOLUTION, SCHEMES, MESH = "system/fvSolution", "system/fvSchemes", "system/blockMeshDict"
 SILENT: list[tuple[str, str, str]] = [
     # OpenFOAM takes these, or goes on with another value: file, entry, and what is appended
     (CONTROL, "purgeWrite", "purgeWrite -1;"),
+    (CONTROL, "stopAt", "stopAt nextWrite;"),
+    (SCHEMES, "default", "ddtSchemes { default steadyState; }"),
+    (SCHEMES, "default", "ddtSchemes { default localEuler rDeltaT; }"),
     (CONTROL, "timePrecision", "timePrecision 0;"),
     (CONTROL, "writePrecision", "writePrecision 4000;"),
     (CONTROL, "timeFormat", "timeFormat sientific;"),

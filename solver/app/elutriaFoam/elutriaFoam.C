@@ -247,6 +247,7 @@ void run(const argList& args)
     requireVolumes(mesh);
     refuseWedges(mesh);
     feedRecord::requireSameMesh(mesh);
+    requireSoundControl("fvSchemes", mesh.schemesDict());
     requireSoundControl("fvSolution", mesh.solutionDict());
     #include "createControl.H"
     #include "readGravitationalAcceleration.H"

@@ -144,6 +144,37 @@ scalar effectiveModulus(const ContactMaterial& a, const ContactMaterial& b)
         );
 }
 
+//- The entry of two materials, under either name; empty: they have none. One
+//  that another pair has taken, since names may hold a hyphen and a wall may be
+//  called as a material, and two of one pair are refused
+word entryOfPair
+(
+    const dictionary& pairs,
+    const word& name,
+    const word& reverse,
+    wordHashSet& taken
+)
+{
+    const bool here = pairs.found(name, keyType::LITERAL);
+    const bool there =
+        name != reverse && pairs.found(reverse, keyType::LITERAL);
+    if (here && there)
+    {
+        FatalIOErrorInFunction(pairs)
+            << "there are " << name << " and " << reverse << ", allowed: one"
+            << " of both" << exit(FatalIOError);
+    }
+    const word found(here ? name : there ? reverse : word());
+    if (!found.empty() && !taken.insert(found))
+    {
+        FatalIOErrorInFunction(pairs)
+            << found << " is the name of two pairs of materials and walls,"
+            << " allowed: materials without hyphens, and not called as a wall"
+            << exit(FatalIOError);
+    }
+    return found;
+}
+
 } // End anonymous namespace
 
 
@@ -192,6 +223,7 @@ void ContactSettings::readOwn
     const label n = nParticle + wallNames.size();
     const dictionary& pairs = dict.subOrEmptyDict("pairs");
     wordList pairNames;
+    wordHashSet taken;
 
     for (label a = 0; a < nParticle; ++a)
     {
@@ -205,10 +237,9 @@ void ContactSettings::readOwn
             (
                 b < nParticle ? "particleParticle" : "particleWall"
             );
+            const word own(entryOfPair(pairs, name, reverse, taken));
             const dictionary& source =
-                pairs.found(name) ? pairs.subDict(name)
-              : pairs.found(reverse) ? pairs.subDict(reverse)
-              : dict.subDict(usual);
+                own.empty() ? dict.subDict(usual) : pairs.subDict(own);
 
             materials.setPair
             (

@@ -1,5 +1,6 @@
 #include "CsvTable.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <sstream>
@@ -28,7 +29,8 @@ std::vector<std::string> cells(const std::string& line)
 
 CsvTable::CsvTable(const std::string& csv)
 {
-    std::istringstream stream(csv);
+    const std::string mark = "\xEF\xBB\xBF";      // of UTF-8, as spreadsheets write it
+    std::istringstream stream(csv.rfind(mark, 0) == 0 ? csv.substr(mark.size()) : csv);
     std::getline(stream, first_);
     header_ = cells(first_);
 
@@ -36,7 +38,7 @@ CsvTable::CsvTable(const std::string& csv)
     for (std::size_t row = 2; std::getline(stream, line); ++row)
     {
         const std::vector<std::string> own = cells(line);
-        if (own.empty() || (own.size() == 1 && own[0].empty())) continue;
+        if (std::all_of(own.begin(), own.end(), [](const std::string& c) { return c.empty(); })) continue;
         if (own.size() != header_.size())
             throw std::invalid_argument("line " + std::to_string(row) + " has "
                                         + std::to_string(own.size()) + " columns, allowed: "
@@ -48,10 +50,16 @@ CsvTable::CsvTable(const std::string& csv)
 
 CsvTable::Column CsvTable::sizes() const
 {
+    Column found{-1, 1};
     for (const Column& column : {Column{find("diameter_m"), 1}, Column{find("diameter_mm"), 1e-3},
                                  Column{find("diameter_um"), 1e-6}})
-        if (column.index >= 0) return column;
-    refuseHeader("one of diameter_m, diameter_mm, diameter_um");
+        if (column.index >= 0)
+        {
+            if (found.index >= 0) refuseHeader("one column of sizes");
+            found = column;
+        }
+    if (found.index < 0) refuseHeader("one of diameter_m, diameter_mm, diameter_um");
+    return found;
 }
 
 

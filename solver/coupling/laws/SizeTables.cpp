@@ -38,6 +38,14 @@ struct Analysis
 };
 
 
+/// What lies on each sieve, in some unit; not on it and all wider ones
+bool isRetained(const std::string& name)
+{
+    return name == "retained"
+        || (name.rfind("retained_", 0) == 0 && name.find("cum") == std::string::npos);
+}
+
+
 Analysis read(const std::string& csv)
 {
     const CsvTable table(csv);
@@ -48,13 +56,12 @@ Analysis read(const std::string& csv)
     for (int k = 0; k < int(table.header().size()); ++k)
     {
         const std::string& name = table.header()[k];
-        if (name == "cumulative" || name == "cumulative_percent")
-        {
-            share = k;
-            found.cumulative = true;
-            percent = name == "cumulative" ? 1 : 100;
-        }
-        else if (name == "retained" || name.rfind("retained_", 0) == 0) share = k;
+        const bool cumulative = name == "cumulative" || name == "cumulative_percent";
+        if (!cumulative && !isRetained(name)) continue;
+        if (share >= 0) table.refuseHeader("one column of shares");
+        share = k;
+        found.cumulative = cumulative;
+        percent = name == "cumulative_percent" ? 100 : 1;
     }
     if (share < 0) table.refuseHeader(shareColumns);
     for (std::size_t i = 0; i < table.size(); ++i)

@@ -95,6 +95,32 @@ def test_a_feed_of_a_sieve_analysis_in_a_file(column: Path) -> None:
         Case(column).feed()
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("diameter_mm,retained_cumulative_percent\n2,0\n1,40\n0.5,100\n", "retained_UNIT"),
+        ("diameter_mm,cumulative_percent,retained_g\n2,100,0\n1,0,5\n", "one column of shares"),
+        ("diameter_mm,diameter_um,retained_g\n2,2000,0\n1,1000,5\n", "one column of sizes"),
+        ("diameter_mm;retained_g\n2;0\n1;5\n", "one of diameter_m,"),
+    ],
+)
+def test_columns_of_a_sieve_analysis_are_told_apart(tmp_path: Path, text: str, said: str) -> None:
+    """What lies on a sieve and all wider ones was taken for what lies on it."""
+    (tmp_path / "sieves.csv").write_text(text)
+    entry = Dictionary({"type": "sieve", "file": "sieves.csv"}, "constant/feed")
+    with pytest.raises(InputError, match=rf"sieves\.csv: the first line .* allowed: .*{said}"):
+        read_size_distribution(entry, tmp_path)
+
+
+def test_a_sieve_analysis_as_a_spreadsheet_writes_it(tmp_path: Path) -> None:
+    """With a byte order mark, quotes, CRLF and rows of commas."""
+    text = '\ufeff"diameter_mm","retained_g"\r\n2,0\r\n,\r\n1,5\r\n0.5,5\r\n,\r\n'
+    (tmp_path / "sieves.csv").write_bytes(text.encode())
+    entry = Dictionary({"type": "sieve", "file": "sieves.csv"}, "constant/feed")
+    sizes = read_size_distribution(entry, tmp_path)
+    assert sizes.mass_share_below([5e-4, 1e-3, 2e-3]) == pytest.approx([0, 0.5, 1])
+
+
 def test_a_bimodal_feed() -> None:
     fine = {"share": 0.25, "type": "uniform", "min": 1e-4, "max": 2e-4}
     coarse = {"share": 0.75, **ROSIN}

@@ -97,9 +97,15 @@ def _setting(name: str, velocity: float, plan: dict[str, Any], keeps_mesh: bool)
     until = "" if feed["end_s"] is None else f" to {feed['end_s']:g} s"
     table.add_row("fed", f"from {feed['start_s']:g} s{until}", "constant/feed")
     if feed["parcels"] is not None:
-        more = feed["parcels"] > feed["parcels_asked"]
-        follows = " (more than asked for, to collide as particles do)" if more else ""
-        table.add_row("parcels", f"{feed['parcels']:.0f}{follows}", "constant/feed")
+        fed, asked = feed["parcels"], feed["parcels_asked"]
+        follows = ""
+        if asked is None:
+            follows = " (as many as the duration has)"
+        elif fed > asked:
+            follows = " (more than asked for, to collide as particles do)"
+        elif fed < asked:
+            follows = f" (fewer than the {asked:.0f} asked for: duration ends before)"
+        table.add_row("parcels", f"{fed:.0f}{follows}", "constant/feed")
     table.add_row("seed", f"{feed['seed']:.0f}", "constant/feed")
     return table
 

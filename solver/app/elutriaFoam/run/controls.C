@@ -60,10 +60,15 @@ const std::vector<Number> numbers =
     {"0", "boundaryField/.*/mixingLength", above(0)}
 };
 
-//- What a single word may be
+//- What the first word may be
 const std::vector<Word> words =
 {
     {"controlDict", "writeFormat", {"ascii", "binary"}},
+    {"controlDict", "stopAt", {"endTime"}},
+    {
+        "fvSchemes", "ddtSchemes/.*",
+        {"Euler", "backward", "CrankNicolson", "none"}
+    },
     {"controlDict", "timeFormat", {"general", "fixed", "scientific"}},
     {
         "controlDict", "writeCompression",
@@ -98,11 +103,13 @@ void require
     const std::string& path,
     const dictionary& dict,
     const word& name,
-    const token& value
+    const ITstream& values
 )
 {
+    const token& value = values.first();
     const Number* const number =
-        value.isNumber() ? ruleOf(numbers, file, path) : nullptr;
+        values.size() == 1 && value.isNumber()
+      ? ruleOf(numbers, file, path) : nullptr;
     if (number)
     {
         requireAllowed(name, value.number(), number->allowed, dict);
@@ -129,11 +136,11 @@ void requireAll
         {
             requireAll(file, e.dict(), around + e.keyword() + '/');
         }
-        else if (e.stream().size() == 1)
+        else if (!e.stream().empty())
         {
             require
             (
-                file, around + e.keyword(), dict, e.keyword(), e.stream().first()
+                file, around + e.keyword(), dict, e.keyword(), e.stream()
             );
         }
     }

@@ -209,7 +209,11 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
             })
         );
     }
-    const bool limited = feed.parcels() < labelMax;
+    // Not more than the duration has, which the rate must be known for
+    const bool asked = feed.parcels() < labelMax;
+    const label fed =
+        feed.massFlow() > 0
+      ? min(feed.parcels(), feed.fedUntil(GREAT)) : feed.parcels();
     const auto rated = [&](const scalar value)
     {
         return feed.massFlow() > 0 ? json::number(value) : "null";
@@ -226,10 +230,10 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
         },
         {"particles_per_s", rated(feed.massFlow()/feed.meanMass())},
         {"particles_per_parcel", rated(feed.particlesPerParcel())},
-        {"parcels", limited ? json::number(feed.parcels()) : "null"},
+        {"parcels", fed < labelMax - 1 ? json::number(fed) : "null"},
         {
             "parcels_asked",
-            limited ? json::number(feed.parcels() - feed.added()) : "null"
+            asked ? json::number(feed.parcels() - feed.added()) : "null"
         },
         {"start_s", json::number(feed.start())},
         {"end_s", json::number(feed.end())},

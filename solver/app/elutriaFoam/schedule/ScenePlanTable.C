@@ -130,6 +130,31 @@ void ScenePlan::announceStiffness
 }
 
 
+void ScenePlan::announceEnd
+(
+    PlanTable& table,
+    const Feed& feed,
+    const Time& runTime
+) const
+{
+    const scalar end = runTime.endTime().value();
+    const label all = min(feed.parcels(), feed.fedUntil(GREAT));
+    const label fed = feed.fedUntil(end);
+    if (fed >= all)
+    {
+        return;
+    }
+    table.warn
+    ({
+        "feedCut", "the run ends before its feed is over",
+        name(fed) + " of " + name(all) + " parcels enter by endTime, "
+      + threeDigits(end) + " s",
+        "raise endTime of system/controlDict above " + threeDigits(feed.end())
+      + " s and drainTime", 1 - scalar(fed)/all
+    });
+}
+
+
 void ScenePlan::announceParcels
 (
     PlanTable& table,
@@ -253,6 +278,7 @@ void ScenePlan::announceFeed
         );
         return;
     }
+    announceEnd(table, feed, runTime);
     const elutria::laws::SceneEstimate e(expect(feed, gas));
     table.row
     (
