@@ -189,10 +189,13 @@ TEST_CASE("soft ranks: heaps that fly at each other from beyond each other's rea
     {
         const Vector3 x = scene.particles.position[i];
         const double side = x.x < 0.014 ? -1 : 1;
-        scene.particles.position.set(i, x + Vector3{0.006*side, 0, 0});
+        scene.particles.position.set(i, 1.06*x + Vector3{0.006*side, 0, 0});    // none touches another
         scene.particles.velocity.set(i, {-2*side, 0, 0});
         scene.particles.spin.set(i, {});
     }
+    // at the ends, so that the ranks' slabs meet between the heaps: both are the first rank's
+    for (const Vector3& x : {Vector3{-0.0357, 0.05, 0}, Vector3{0.038, 0.05, 0}})
+        scene.particles.velocity.set(addSphere(scene.particles, x, 1e-3, 2500), {2, 0, 0});
     scene.duration = 5e-3, scene.steps = 1;
     Scene parting = scene;
     for (double& x : parting.particles.velocity.x) x = -x;
