@@ -3,6 +3,7 @@
 // each other in memory. One line of a csv table for each number of ranks, with the ratio to the fewest.
 //   particles=100000,1000000 ranks=1,2,4,8,16 (as far as the cores go) scene=settled,falling
 //   work=6e7 (particle-steps measured of settled spheres; ten times as many of falling ones)
+//   spin=1 (while they wait for each other; 0: where there are fewer cores than ranks)
 // States depend on the number of ranks by the order of sums, so that beside the checksum there is the
 // energy.
 
@@ -49,12 +50,12 @@ Particles ofRank(const BoxScene& scene, const Particles& all, unsigned ranks, un
     return own;
 }
 
-Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, std::size_t warmup,
-               std::size_t steps)
+Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, bool spin,
+               std::size_t warmup, std::size_t steps)
 {
     std::vector<Particles> parts(ranks);
     Timing t;
-    ThreadRanks(int(ranks), true).run([&](Exchange& exchange)
+    ThreadRanks(int(ranks), spin).run([&](Exchange& exchange)
     {
         const bool first = exchange.rank() == 0;
         Particles& own = parts[exchange.rank()];
@@ -96,6 +97,7 @@ int runRanks(const Options& o)
 {
     const std::vector<unsigned> numbers = numbersListed(o.text("ranks", ""));
     const double work = o.number("work", 6e7);
+    const bool spin = o.number("spin", 1) != 0;
     Scenes scenes;
     std::printf("scene,particles,ranks,steps,wall_us_per_particle_step,speed_up,"
                 "processor_us_per_particle_step,processor_ratio,exchange_share,ghosts_per_rank,"
@@ -111,7 +113,7 @@ int runRanks(const Options& o)
             Timing first;
             for (const unsigned ranks : numbers)
             {
-                const Timing t = measure(scene, p, ranks, steps/5, steps);
+                const Timing t = measure(scene, p, ranks, spin, steps/5, steps);
                 if (ranks == numbers.front()) first = t;
                 const double each = 1e6/(double(steps)*double(p.size()));
                 std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.3f,%.0f,%.4g,%zu,%.10g,%016llx\n",
