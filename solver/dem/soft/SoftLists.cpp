@@ -180,6 +180,12 @@ void SoftIntegrator::grantNear(std::size_t from, std::size_t to)
 
 void SoftIntegrator::findNeighbours()
 {
+    if (cloud_.rows.empty())             // on this rank
+    {
+        list_.begin.assign(1, 0);
+        list_.second.clear();
+        return;
+    }
     Untouched<double> reach(cloud_.rows.size());
     const auto sums = forBlocks(settings_.threads, reach.size(),
                                 [&](std::size_t begin, std::size_t end)
