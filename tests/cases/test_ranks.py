@@ -176,6 +176,41 @@ def test_contacts_go_on_with_another_number_of_ranks(tmp_path: Path, measured) -
 
 
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_a_dense_bed_of_contact_steps_moves_alike(tmp_path: Path, ranks: int, measured) -> None:
+    # Goldschmidt's grains, packed: they fall onto each other on both sides of the cuts
+    spacing, across, layers = 2.6e-3, 8, 8
+    random = np.random.default_rng(7)
+    place = spacing * (0.5 + np.array(list(np.ndindex(layers, across, across)))[:, ::-1])
+    place += random.uniform(-2e-5, 2e-5, place.shape)
+    grains = Particles.of(
+        place, random.uniform(-0.3, 0.3, place.shape),
+        diameter=2.5e-3 * (1 - 1e-4 * np.linspace(0, 1, len(place))),
+    )  # fmt: skip
+    box = BoxCase(
+        width=0.0208, depth=0.0208, height=0.06, cells=(4, 4, 12), ends="wall", end=0.01,
+        contacts=Contacts(Pair(0.97, 0.1), treatment="soft"), interval=0.01,
+    )  # fmt: skip
+
+    def ends(name: str, number: int) -> np.ndarray:
+        case = box.make(tmp_path / name, grains)
+        change(case, {f"{DECOMPOSITION}:numberOfSubdomains": number})
+        change(case, {f"{DECOMPOSITION}:coeffs/n": [number, 1, 1]})
+        solve(case, number)
+        if number > 1:
+            work = pd.read_csv(case / "postProcessing/ranks.csv")
+            assert (work["particle_steps"] > 0).all()
+            assert (work["ghost_steps"] > 0).all()
+            run_program(["reconstructPar", "-latestTime"], case)
+        found = read_particles(case, "0.01")
+        assert len(found.diameter) == len(place)
+        return found.position[np.argsort(-found.diameter)]
+
+    serial, parallel = ends("serial", 1), ends("parallel", ranks)
+    assert np.abs(serial - place).max() > 5e-4
+    measured("places in a bed, in diameters", np.abs(serial - parallel).max() / 2.5e-3, 1e-7)
+
+
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_gas_and_parcels_move_each_other_alike(tmp_path: Path, ranks: int, measured) -> None:
     # of all sizes, through each other and to other ranks; nothing is chaotic for so short a time
     random = np.random.default_rng(2)

@@ -8,6 +8,7 @@
 #include "parallel/FoamExchange.H"
 #include "Pstream.H"
 #include "PstreamBuffers.H"
+#include "PstreamReduceOps.H"
 #include "UIPstream.H"
 #include "UOPstream.H"
 
@@ -59,6 +60,56 @@ std::vector<FoamExchange::Bytes> FoamExchange::doSwap(std::vector<Bytes> toEach)
 std::vector<FoamExchange::Bytes> FoamExchange::doShare(Bytes mine)
 {
     return doSwap(std::vector<Bytes>(ranks(), mine));
+}
+
+
+void FoamExchange::doSwapWith(std::vector<Partner>& partners)
+{
+    const label startOfRequests = UPstream::nRequests();
+    for (Partner& partner : partners)
+    {
+        if (!partner.received.empty())
+        {
+            UIPstream::read
+            (
+                UPstream::commsTypes::nonBlocking,
+                partner.rank,
+                partner.received.data(),
+                partner.received.size()
+            );
+        }
+    }
+    for (const Partner& partner : partners)
+    {
+        if (!partner.sent.empty())
+        {
+            UOPstream::write
+            (
+                UPstream::commsTypes::nonBlocking,
+                partner.rank,
+                partner.sent.data(),
+                partner.sent.size()
+            );
+        }
+    }
+    UPstream::waitRequests(startOfRequests);
+}
+
+
+void FoamExchange::doSum(std::vector<double>& values)
+{
+    // Two at a time: OpenFOAM hands these to MPI as they are
+    for (std::size_t i = 0; i < values.size(); i += 2)
+    {
+        const bool both = i + 1 < values.size();
+        vector2D sums(values[i], both ? values[i + 1] : 0);
+        reduce(sums, sumOp<vector2D>());
+        values[i] = sums.x();
+        if (both)
+        {
+            values[i + 1] = sums.y();
+        }
+    }
 }
 
 

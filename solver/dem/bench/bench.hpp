@@ -47,3 +47,4 @@ int runBox(const Options& options);
 int runNeighbours(const Options& options);
 int runColumn(const Options& options);
 int runThreads(const Options& options);
+int runRanks(const Options& options);

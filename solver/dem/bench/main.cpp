@@ -3,6 +3,7 @@
 //   elutriaDemBench neighbours KEY=VALUE ...   see neighbours.cpp
 //   elutriaDemBench column KEY=VALUE ...       see column.cpp
 //   elutriaDemBench threads KEY=VALUE ...      see threads.cpp
+//   elutriaDemBench ranks KEY=VALUE ...        see ranks.cpp
 
 #include "bench.hpp"
 
@@ -19,7 +20,8 @@ int main(int argc, char** argv)
         if (mode == "neighbours") return runNeighbours(options);
         if (mode == "column") return runColumn(options);
         if (mode == "threads") return runThreads(options);
-        std::cerr << "usage: elutriaDemBench box|neighbours|column|threads KEY=VALUE ...\n";
+        if (mode == "ranks") return runRanks(options);
+        std::cerr << "usage: elutriaDemBench box|neighbours|column|threads|ranks KEY=VALUE ...\n";
         return 2;
     }
     catch (const std::exception& error)

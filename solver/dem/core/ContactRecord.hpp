@@ -16,4 +16,11 @@ struct ContactRecord
     Vector3 tangential;          // m, elastic tangential displacement of first against second
 };
 
+/// Pairs before walls, by ascending first, second.
+inline bool pairsFirst(const ContactRecord& a, const ContactRecord& b)
+{
+    if (a.wall != b.wall) return b.wall;
+    return a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+
 } // namespace elutria::dem

@@ -3,8 +3,8 @@
 #include "core/TooMuchWork.hpp"
 #include "core/text.hpp"
 #include "islands/AdaptiveIntegrator.hpp"
+#include "islands/Census.hpp"
 #include "parallel/Agreement.hpp"
-#include "parallel/Gathered.hpp"
 #include "soft/SoftIntegrator.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Engine::Implementation
 
     Implementation(Settings s, ContactMaterials m, Walls w, Exchange& e)
       : settings(std::move(s)), materials(std::move(m)), walls(std::move(w)),
-        laws(settings, materials), soft(settings, laws, walls), exchange(e),
+        laws(settings, materials), soft(settings, laws, walls, e), exchange(e),
         adaptive(settings, materials, laws, walls, soft,
                [this](const Particles& p, double speed)
                { return settings.step > 0 ? settings.step : stepLimit(p, speed); }, exchange)
@@ -180,37 +180,17 @@ void Engine::contactForces(const Particles& particles, double step, VectorArray&
 {
     together(self_->exchange, [&] { check(particles, self_->materials.size()); });
     self_->adaptive.useSoft();
-    if (self_->exchange.alone())
-        return self_->soft.contactForces(particles, step, force, torque);
-    Particles own = particles;
-    Gathered gathered(self_->exchange, own);
-    Particles& all = gathered.everyone();
-    together(self_->exchange, [&]
-    {
-        if (!gathered.here()) return;
-        self_->soft.contactForces(all, step, force, torque);
-        std::swap(all.velocity, force);
-        std::swap(all.spin, torque);
-    });
-    gathered.giveBack();
-    force = std::move(own.velocity);
-    torque = std::move(own.spin);
+    self_->soft.contactForces(particles, step, force, torque);
 }
 
-/// By the first rank.
 void Engine::Implementation::runSoft(Particles& particles, double duration, StepReport& report)
 {
-    Gathered gathered(exchange, particles);
-    Particles& all = gathered.everyone();
-    together(exchange, [&]
-    {
-        if (!gathered.here()) return;
-        const double limit = settings.step > 0 ? settings.step : stepLimit(all, 0);
-        const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
-        refuseTooMuchWork(duration, steps, all.size());
-        soft.run(all, duration, std::size_t(steps), report);
-    });
-    gathered.giveBack(report.hits);
+    const Census all = takeCensus(exchange, particles, 0);
+    const double limit = settings.step > 0
+        ? settings.step : stepLimit(exchange.alone() ? particles : all.extremes, 0);
+    const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
+    refuseTooMuchWork(duration, steps, all.particles);
+    soft.run(particles, duration, std::size_t(steps), report);
 }
 
 std::vector<ContactRecord> Engine::exportContacts() const

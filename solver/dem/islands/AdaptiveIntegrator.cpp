@@ -6,7 +6,6 @@
 #include "core/forEach.hpp"
 #include "impacts/StochasticCollisions.hpp"
 #include "parallel/Agreement.hpp"
-#include "parallel/Gathered.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,21 +56,7 @@ void AdaptiveIntegrator::importContacts(const std::vector<ContactRecord>& record
 
 void AdaptiveIntegrator::useSoft()
 {
-    if (softRules_) return;
-    if (exchange_.alone()) soft_.importContacts(contacts_.records());
-    else
-    {
-        std::vector<Outgoing> toEach(exchange_.ranks());
-        toEach[0] << contacts_.records();
-        std::vector<ContactRecord> all;
-        for (const Bytes& bytes : exchange_.swap(taken(toEach)))
-        {
-            if (bytes.empty()) continue;
-            const auto records = Incoming(bytes).get<std::vector<ContactRecord>>();
-            all.insert(all.end(), records.begin(), records.end());
-        }
-        soft_.importContacts(all);
-    }
+    if (!softRules_) soft_.importContacts(contacts_.records());
     softRules_ = true;
 }
 
@@ -148,29 +133,19 @@ void AdaptiveIntegrator::runRestSoft(Particles& particles, double duration, doub
 }
 
 
-/// The soft law for all, on the first rank; `continued`: for the rest of a step.
+/// The soft law for all; `continued`: for the rest of a step.
 void AdaptiveIntegrator::runSoft(Particles& particles, double duration, bool continued,
                                  StepReport& report)
 {
     const Stopwatch watch(report.softSeconds);
     useSoft();
-    Gathered gathered(exchange_, particles);
-    together(exchange_, [&]
-    {
-        if (gathered.here()) runSoftHere(gathered.everyone(), duration, continued, report);
-    });
-    gathered.giveBack(report.hits);
-}
-
-
-void AdaptiveIntegrator::runSoftHere(Particles& particles, double duration, bool continued,
-                                     StepReport& report)
-{
+    if (continued) all_ = takeCensus(exchange_, particles, contactEnds_);
     continued = continued && !particles.dragRate.empty();
     const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
     const double steps =
-        std::max(1.0, std::ceil(duration/stepLimit_(particles, 0)*(1 - 1e-12)));
-    refuseTooMuchWork(duration, steps, particles.size());
+        std::max(1.0, std::ceil(duration/stepLimit_(exchange_.alone() ? particles : all_.extremes, 0)
+                                *(1 - 1e-12)));
+    refuseTooMuchWork(duration, steps, all_.particles);
     soft_.run(particles, duration, std::size_t(steps), report);
     for (std::size_t i = 0; i < before.size(); ++i)
         particles.dragImpulse.set(i, particles.dragImpulse[i] + before[i]);

@@ -40,7 +40,7 @@ namespace elutria::dem
 /// Where particles are distributed over ranks, each rank does this for its own, and islands that reach
 /// over several ranks are shared (Ghosts, SharedIslands); all decisions are made alike, from what all
 /// have. An island's outcome depends on its members, their history and the seed alone, so that the
-/// result is to the bit that of one rank. Steps of the soft law for all are taken by the first rank.
+/// result is to the bit that of one rank; that of the soft law for all is so to rounding.
 class AdaptiveIntegrator
 {
 public:
@@ -50,7 +50,7 @@ public:
                        IslandStepper::StepLimit stepLimit, Exchange& exchange);
     AdaptiveIntegrator(const AdaptiveIntegrator&) = delete;
 
-    /// `report` is of this rank's part; the first rank's has the soft steps for all.
+    /// `report` is of this rank's part.
     void advance(Particles& particles, double duration, StepReport& report);
 
     /// History that this rank holds: contacts of which the first particle was its own when they were
@@ -58,15 +58,13 @@ public:
     std::vector<ContactRecord> exportContacts() const;
     void importContacts(const std::vector<ContactRecord>& records);
 
-    /// Hands the contact history to the soft integrator (of the first rank), for a caller that asks it
-    /// for forces.
+    /// Hands the contact history to the soft integrator, for a caller that asks it for forces.
     void useSoft();
 
 private:
     enum class Outcome { done, tooLong, contactsRule };
 
     void runSoft(Particles& particles, double duration, bool continued, StepReport& report);
-    void runSoftHere(Particles& particles, double duration, bool continued, StepReport& report);
     void load(const Particles& particles, bool weighted);
     Outcome advancePiece(double duration, std::uint64_t seed, bool mayCut, StepReport& report);
     bool findCandidates(const Piece& piece, StepReport& report);

@@ -24,6 +24,13 @@ public:
         std::size_t bytes = 0;           // sent to other ranks
     };
 
+    /// Another rank that gets a message and sends one of a size that is known.
+    struct Partner
+    {
+        int rank;
+        Bytes sent, received;
+    };
+
     virtual ~Exchange() = default;
 
     virtual int rank() const = 0;        // 0 to ranks() - 1
@@ -49,12 +56,33 @@ public:
         traffic_.bytes += mine.size()*std::size_t(ranks() - 1);
         return doShare(std::move(mine));
     }
+    /// Where both sides know how much is to come: sends each partner's `sent` to it and fills its
+    /// `received`. Ranks that are no partners take no part in it, but make the call.
+    void swapWith(std::vector<Partner>& partners)
+    {
+        if (alone()) return;
+        const Stopwatch watch(traffic_.seconds);
+        ++traffic_.calls;
+        for (const Partner& partner : partners) traffic_.bytes += partner.sent.size();
+        doSwapWith(partners);
+    }
+    /// Each value becomes its sum over all ranks, with the same bits on each.
+    void sum(std::vector<double>& values)
+    {
+        if (alone()) return;
+        const Stopwatch watch(traffic_.seconds);
+        ++traffic_.calls;
+        traffic_.bytes += values.size()*sizeof(double);
+        doSum(values);
+    }
     const Traffic& traffic() const { return traffic_; }
 
 protected:
     Exchange() = default;
     virtual std::vector<Bytes> doSwap(std::vector<Bytes> toEach) = 0;
     virtual std::vector<Bytes> doShare(Bytes mine) = 0;
+    virtual void doSwapWith(std::vector<Partner>& partners) = 0;
+    virtual void doSum(std::vector<double>& values) = 0;
 
 private:
     Traffic traffic_;
@@ -71,6 +99,8 @@ public:
 private:
     std::vector<Bytes> doSwap(std::vector<Bytes> toEach) override { return toEach; }
     std::vector<Bytes> doShare(Bytes mine) override { return {std::move(mine)}; }
+    void doSwapWith(std::vector<Partner>&) override {}
+    void doSum(std::vector<double>&) override {}
 };
 
 /// For engines that have all particles.

@@ -74,25 +74,25 @@ Hull::Hull(const std::vector<Bound>& bounds)
 }
 
 
-bool Hull::touches(const Box& box, const Bound& bound, const PeriodicBox& space)
+bool Hull::touches(const Box& box, const Box& other, const PeriodicBox& space)
 {
     constexpr double rounding = 1e-12;         // of the places: other ranks see it as a touch
-    const Vector3 apart = space.shortest(bound.centre - box.centre);
+    const Vector3 apart = space.shortest(other.centre - box.centre);
     for (int axis = 0; axis < 3; ++axis)
     {
         const double doubt =
-            rounding*(std::abs(bound.centre[axis]) + std::abs(box.centre[axis]) + box.half[axis]);
-        if (std::abs(apart[axis]) > bound.reach + box.half[axis] + doubt) return false;
+            rounding*(std::abs(other.centre[axis]) + std::abs(box.centre[axis]) + box.half[axis]);
+        if (std::abs(apart[axis]) > other.half[axis] + box.half[axis] + doubt) return false;
     }
     return true;
 }
 
 
-bool Hull::touches(const Bound& bound, const PeriodicBox& space) const
+bool Hull::touches(const Box& other, const PeriodicBox& space) const
 {
-    if (boxes_.empty() || !touches(boxes_[0], bound, space)) return false;
+    if (boxes_.empty() || !touches(boxes_[0], other, space)) return false;
     return std::any_of(boxes_.begin() + 1, boxes_.end(),
-                       [&](const Box& box) { return touches(box, bound, space); });
+                       [&](const Box& box) { return touches(box, other, space); });
 }
 
 } // namespace elutria::dem

@@ -171,6 +171,7 @@ void PairContacts::connect()
             const Arrays& a = chunks_[c].current;
             for (std::size_t k = a.inside; k < a.count; ++k)
             {
+                if (a.second[k] >= runs_.particles()) continue;      // a ghost: its rank adds it
                 const std::size_t to = runs_.of(a.second[k]);
                 visit(chunks_[to], places[part*chunks + to],
                       Incoming{std::uint32_t(c), std::uint32_t(k - a.inside), a.second[k]});

@@ -25,7 +25,8 @@ struct LastingPair
 /// Particles are cut into chunks in the cloud's order. A pair belongs to the chunk
 /// of its first particle; where its second belongs to another chunk, the force on it is stored
 /// and added later by that chunk, in a fixed order. So chunks can be worked on by any number of
-/// threads with bitwise the same sums.
+/// threads with bitwise the same sums. The second of a pair may be a ghost: what acts on it is left
+/// to its own rank, which has the pair too, with the same bits of its history.
 ///
 /// The neighbour list holds pairs within a wide buffer, this table only those within a much smaller
 /// one (near pairs); refresh() chooses them anew before any particle can have consumed it.

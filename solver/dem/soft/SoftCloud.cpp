@@ -12,6 +12,16 @@
 namespace elutria::dem
 {
 
+void CloudTotals::add(const CloudTotals& others)
+{
+    particles += others.particles;
+    smallest = std::min(smallest, others.smallest), largest = std::max(largest, others.largest);
+    radii += others.radii;
+    strongestPush = std::max(strongestPush, others.strongestPush);
+    velocities += others.velocities;
+    materials = materials || others.materials, weighted = weighted || others.weighted;
+}
+
 /// Other particles than before, by ascending id.
 void SoftCloud::take(const Particles& p)
 {
@@ -44,23 +54,42 @@ double SoftCloud::load(const Particles& p, double step)
                                   [](double weight) { return weight == 1; });
     weighted.resize(real ? 0 : n);
     const double shifted = loadStates(p, same);
-    forElements(threads, n, [&](std::size_t i)
+    loadForcing(p, step);
+    totals_.strongestPush = strongestPush;
+    totals_.materials = !oneMaterial, totals_.weighted = !real;
+    return shifted;
+}
+
+void SoftCloud::settle(const CloudTotals& totals)
+{
+    const double each = totals.particles > 0 ? 1/double(totals.particles) : 0;
+    smallest = totals.smallest, largest = totals.largest, mean = each*totals.radii;
+    frame = each*totals.velocities;
+    strongestPush = totals.strongestPush;
+    forElements(threads, size(), [&](std::size_t i)
     {
         rows[i].vx = float(bases[i].vx - frame.x);
         rows[i].vy = float(bases[i].vy - frame.y);
         rows[i].vz = float(bases[i].vz - frame.z);
     });
-    loadForcing(p, step);
-    return shifted;
+    if (totals.materials && materials.empty()) materials.assign(rows.size(), 0);
+    if (totals.weighted && weighted.empty()) weighted.assign(rows.size(), 0);
+}
+
+void SoftCloud::resizeGhosts(std::size_t ghosts)
+{
+    const std::size_t all = size() + ghosts;
+    rows.resize(all), bases.resize(all);
+    if (!materials.empty()) materials.resize(all);
+    if (!weighted.empty()) weighted.resize(all);
 }
 
 /// Everything but the rows' velocities; returns the largest shift of a surface.
 double SoftCloud::loadStates(const Particles& p, bool same)
 {
-    struct Part
+    struct Part : CloudTotals
     {
-        double smallest = 1e300, largest = 0, sum = 0, shifted = 0;
-        Vector3 velocities;
+        double shifted = 0;
     };
     const auto parts = forBlocks(threads, p.size(), [&](std::size_t begin, std::size_t end)
     {
@@ -82,23 +111,20 @@ double SoftCloud::loadStates(const Particles& p, bool same)
             if (!weighted.empty()) weighted[i] = p.statisticalWeight[k] != 1;
             part.smallest = std::min(part.smallest, radius);
             part.largest = std::max(part.largest, radius);
-            part.sum += radius;
+            part.radii += radius;
             part.velocities += v;
         }
+        part.particles = end - begin;
         return part;
     });
-    Part all;
+    totals_ = {};
+    double shifted = 0;
     for (const Part& part : parts)
     {
-        all.smallest = std::min(all.smallest, part.smallest);
-        all.largest = std::max(all.largest, part.largest);
-        all.shifted = std::max(all.shifted, part.shifted);
-        all.sum += part.sum, all.velocities += part.velocities;
+        totals_.add(part);
+        shifted = std::max(shifted, part.shifted);
     }
-    const double each = p.size() > 0 ? 1/double(p.size()) : 0;
-    smallest = all.smallest, largest = all.largest, mean = each*all.sum;
-    frame = each*all.velocities;
-    return all.shifted;
+    return shifted;
 }
 
 void SoftCloud::loadForcing(const Particles& p, double step)
@@ -257,18 +283,6 @@ std::uint32_t SoftCloud::find(const std::vector<std::uint32_t>& byId, std::uint6
     const auto at = std::lower_bound(byId.begin(), byId.end(), wanted,
         [&](std::uint32_t i, std::uint64_t value) { return id(i) < value; });
     return at != byId.end() && id(*at) == wanted ? *at : none;
-}
-
-double SoftCloud::speedRange() const
-{
-    if (bases.empty()) return 0;
-    Vector3 low = velocity(0), high = low;
-    for (std::size_t i = 1; i < size(); ++i)
-    {
-        const Vector3 v = velocity(i);
-        for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], v[a]), high[a] = std::max(high[a], v[a]);
-    }
-    return 0.5*norm(high - low);
 }
 
 std::size_t SoftCloud::bytes() const

@@ -10,27 +10,52 @@
 namespace elutria::dem
 {
 
+/// Sums and extremes over particles.
+struct CloudTotals
+{
+    std::size_t particles = 0;
+    double smallest = 1e300, largest = 0, radii = 0;     // radius, m; its sum
+    double strongestPush = 0;                            // m/s^2
+    Vector3 velocities;                                  // m/s, sum
+    bool materials = false, weighted = false;            // is one not 0, a weight not 1?
+
+    void add(const CloudTotals& others);
+};
+
 /// The soft integrator's own copy of the particles, in an order that keeps neighbours in space
 /// close in memory. The order depends on positions and ids alone, not on the caller's order.
 /// Positions are not wrapped into a periodic box while the cloud is held.
+///
+/// Behind the particles there may be ghosts: particles of other ranks, which are not moved here.
 class SoftCloud
 {
 public:
-    std::size_t size() const { return rows.size(); }
+    std::size_t size() const { return ids_.size(); }       // without ghosts
 
     /// True if these are the particles it has, in the same caller's order.
     bool holds(const Particles& particles) const { return particles.id == ids_; }
 
     /// Takes the caller's state and forcing, for steps of length `step`, s. Keeps the cloud's order
     /// if it holds these particles; then returns by how much the surface of one of them can have
-    /// moved since, m.
+    /// moved since, m. Then settle().
     double load(const Particles& particles, double step);
+    /// Of the particles that load() took.
+    const CloudTotals& totals() const { return totals_; }
+    /// Takes sizes and the common motion from these, be they of more particles.
+    void settle(const CloudTotals& totals);
+
+    /// Makes room for so many ghosts, whose rows, materials and weights are to be set.
+    void resizeGhosts(std::size_t ghosts);
+    void setGhost(std::size_t ghost, const Row& row)
+    {
+        const std::size_t i = size() + ghost;
+        rows[i] = row;
+        bases[i] = {frame.x + row.vx, frame.y + row.vy, frame.z + row.vz, row.inverseMass,
+                    row.sx, row.sy, row.sz, row.radius};
+    }
 
     /// Forgets the particles and their order.
     void forget() { ids_.clear(), rows.clear(); }
-
-    /// Half the extent of the velocities, m/s: a bound of the speeds in their middle's frame.
-    double speedRange() const;
 
     /// Gives positions (inside the box), velocities, spins and dragImpulse back after `duration`.
     void store(Particles& particles, double duration) const;
@@ -77,6 +102,7 @@ private:
     Untouched<std::uint32_t> order_;        // own index -> caller's index
     std::vector<std::uint32_t> byId_;       // caller's indices by ascending id
     std::vector<std::uint64_t> ids_;        // in the caller's order
+    CloudTotals totals_;
 };
 
 } // namespace elutria::dem

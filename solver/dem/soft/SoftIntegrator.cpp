@@ -11,20 +11,10 @@
 namespace elutria::dem
 {
 
-namespace
-{
-
-bool before(const ContactRecord& a, const ContactRecord& b)
-{
-    if (a.wall != b.wall) return b.wall;
-    return a.first != b.first ? a.first < b.first : a.second < b.second;
-}
-
-} // namespace
-
-SoftIntegrator::SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls)
-  : settings_(settings), walls_(walls), laws_(laws), contacts_(laws.pairs, settings.threads),
-    atWalls_(laws.walls, walls)
+SoftIntegrator::SoftIntegrator(const Settings& settings, const LawTables& laws, const Walls& walls,
+                               Exchange& exchange)
+  : settings_(settings), walls_(walls), laws_(laws), exchange_(exchange),
+    contacts_(laws.pairs, settings.threads), atWalls_(laws.walls, walls), halo_(exchange)
 {
     cloud_.box = settings.box;
     cloud_.threads = settings.threads;
@@ -38,9 +28,11 @@ std::vector<ContactRecord> SoftIntegrator::exportContacts() const
     std::vector<ContactRecord> records;
     for (const LastingPair& p : contacts_.lasting())
     {
-        ContactRecord r{cloud_.id(p.first), cloud_.id(p.second), false, {p.x, p.y, p.z}};
+        ContactRecord r{idOf(p.first), idOf(p.second), false, {p.x, p.y, p.z}};
         if (r.first > r.second)
         {
+            if (p.second >= cloud_.size()) continue;       // the other rank has it, too
+
             std::swap(r.first, r.second);
             r.tangential = -r.tangential;
         }
@@ -50,14 +42,14 @@ std::vector<ContactRecord> SoftIntegrator::exportContacts() const
     {
         records.push_back({cloud_.id(w.particle), w.feature, true, w.displacement});
     }
-    std::sort(records.begin(), records.end(), before);
+    std::sort(records.begin(), records.end(), pairsFirst);
     return records;
 }
 
 void SoftIntegrator::importContacts(const std::vector<ContactRecord>& records)
 {
     kept_ = records;
-    std::sort(kept_.begin(), kept_.end(), before);
+    std::sort(kept_.begin(), kept_.end(), pairsFirst);
     cloud_.forget();
     forgetLists();
 }
@@ -76,6 +68,7 @@ void SoftIntegrator::forgetLists()
     listBuffer_.forget(), nearBuffer_.forget();
     list_.begin.clear(), list_.second.clear();
     density_ = firstDensity;
+    halo_.forget();
 }
 
 /// Gives the history put away under ids to the contact tables.
@@ -87,15 +80,15 @@ void SoftIntegrator::install()
         kept_.empty() ? std::vector<std::uint32_t>{} : cloud_.byId();
     for (const ContactRecord& r : kept_)
     {
-        const std::uint32_t i = cloud_.find(byId, r.first);
+        const std::uint32_t i = placeOf(byId, r.first);
         if (i == SoftCloud::none) continue;
         if (r.wall)
         {
             walls.push_back({i, r.second, r.tangential});
             continue;
         }
-        const std::uint32_t j = cloud_.find(byId, r.second);
-        if (j == SoftCloud::none) continue;
+        const std::uint32_t j = placeOf(byId, r.second);
+        if (j == SoftCloud::none || std::min(i, j) >= cloud_.size()) continue;
         const Vector3& s = r.tangential;
         pairs.push_back({i, j, float(s.x), float(s.y), float(s.z)});
     }
@@ -114,7 +107,7 @@ void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<Lastin
     {
         return a.particle != b.particle ? a.particle < b.particle : a.feature < b.feature;
     });
-    contacts_.reset(Chunks(cloud_.size()), pairs);
+    contacts_.reset(Chunks(cloud_.size(), halo_.size()), pairs);
     atWalls_.reset(contacts_.chunks(), walls);
 }
 
@@ -123,10 +116,19 @@ void SoftIntegrator::install(std::vector<LastingPair>& pairs, std::vector<Lastin
 void SoftIntegrator::load(const Particles& particles, double step)
 {
     step_ = step;
-    if (valid_ && !cloud_.holds(particles)) keep();
-    const double shifted = cloud_.load(particles, step);
+    double shifted = 0;
+    if (exchange_.alone())
+    {
+        if (valid_ && !cloud_.holds(particles)) keep();
+        shifted = cloud_.load(particles, step);
+        cloud_.settle(cloud_.totals());
+        everyone_ = cloud_.size();
+    }
+    else shifted = loadTogether(particles, step);
     mean_ = cloud_.frame;
     if (!valid_) return;
+    if (halo_.size() > 0) halo_.fill(cloud_);
+    if (!exchange_.alone()) followGhosts(0);
     measureMotion();
     for (std::size_t c = 0; c < contacts_.chunks().count(); ++c)
     {
@@ -202,16 +204,22 @@ void SoftIntegrator::move(StepWeights weights, bool received)
         contacts_.forgetSums(c);
         follow(c, w);
     });
-    Vector3 sum;
-    for (const MoveWork& w : works_) sum += {w.sum[0], w.sum[1], w.sum[2]};
+    sum_ = {};
+    for (const MoveWork& w : works_) sum_ += {w.sum[0], w.sum[1], w.sum[2]};
+    sinceList_ += step_, sinceNear_ += step_;
+    cloud_.frame = mean_;                  // the rows' from now on
+    if (exchange_.alone()) takeMean(sum_);
+    else followGhosts(step_);
+}
+
+void SoftIntegrator::takeMean(const Vector3& sum)
+{
     if (!std::isfinite(squaredNorm(sum)))
     {
         throw std::runtime_error("particle motion diverged: a velocity is not finite (sub-step "
                                  + text(step_) + " s)");
     }
-    sinceList_ += step_, sinceNear_ += step_;
-    cloud_.frame = mean_;                  // the rows' from now on
-    mean_ = (1/double(cloud_.size()))*sum;
+    mean_ = (1/double(everyone_))*sum;
 }
 
 /// Takes a chunk's step off its buffer.
@@ -240,7 +248,7 @@ void SoftIntegrator::runAll(Particles& particles, double duration, std::size_t s
                             StepReport& report)
 {
     load(particles, duration/double(subSteps));
-    if (cloud_.size() == 0) return;
+    if (everyone_ == 0) return;
     const std::size_t rebuilds = rebuilds_;
     ensureLists();
     time_ = 0;
@@ -254,13 +262,13 @@ void SoftIntegrator::runAll(Particles& particles, double duration, std::size_t s
     }
     finish();
     cloud_.store(particles, duration);
-    report.subSteps += subSteps;
+    if (exchange_.rank() == 0) report.subSteps += subSteps, report.listBuilds += rebuilds_ - rebuilds;
     report.step = step_;
-    report.candidates = list_.size();
-    report.touching = contacts_.touching();
+    report.candidates = candidates();
+    report.touching = touchingHere();
     report.wallTouching = atWalls_.touching();
     report.softParticles += cloud_.size();
-    report.listBuilds += rebuilds_ - rebuilds;
+    report.ghosts += halo_.size();
     report.largestOverlap = std::max({report.largestOverlap, contacts_.takeLargestOverlap(),
                                       atWalls_.takeLargestOverlap()});
     report.bytes = bytes();
@@ -300,8 +308,8 @@ void SoftIntegrator::run(Particles& particles, double duration, std::size_t subS
             hit.time += duration*double(done)/double(subSteps);
             report.hits.push_back(hit);
         }
-        if (done == 0) report.softParticles += moving.size();
-        report.subSteps += steps, report.listBuilds += part.listBuilds;
+        if (done == 0) report.softParticles += moving.size(), report.ghosts += part.ghosts;
+        report.subSteps += part.subSteps, report.listBuilds += part.listBuilds;
         report.step = part.step, report.candidates = part.candidates, report.bytes = part.bytes;
         report.touching = part.touching, report.wallTouching = part.wallTouching;
         report.largestOverlap = std::max(report.largestOverlap, part.largestOverlap);
@@ -341,7 +349,7 @@ void SoftIntegrator::contactForces(const Particles& particles, double step, Vect
     force.assign(particles.size(), {});
     torque.assign(particles.size(), {});
     load(particles, step);
-    if (cloud_.size() == 0) return;
+    if (everyone_ == 0) return;
     ensureLists();
     const StepWeights weights{0.5*step, 0.5*step};
     evaluate(weights);
@@ -364,7 +372,7 @@ std::size_t SoftIntegrator::bytes() const
     return cloud_.bytes() + 4*(list_.begin.capacity() + list_.second.capacity())
            + contacts_.bytes() + atWalls_.bytes() + kept_.capacity()*sizeof(ContactRecord)
            + works_.capacity()*sizeof(MoveWork)
-           + listBuffer_.bytes() + nearBuffer_.bytes();
+           + listBuffer_.bytes() + nearBuffer_.bytes() + halo_.bytes();
 }
 
 } // namespace elutria::dem

@@ -27,9 +27,9 @@ constexpr double pairCost = 6;           // per near pair and sub-step
 /// touch.
 double SoftIntegrator::nearInterval() const
 {
-    const double candidates = double(list_.size())/double(cloud_.size());
+    const double each = double(candidates())/double(std::max<std::size_t>(1, cloud_.size()));
     const double way = step_*nearBuffer_.meanRate()/cloud_.mean;
-    const double steps = std::sqrt((refreshCost + lookCost*candidates)
+    const double steps = std::sqrt((refreshCost + lookCost*each)
                                    /(2*pairCost*density_*std::max(way, 1e-9)));
     return step_*std::clamp(steps, 2.0, 2000.0);
 }
@@ -85,7 +85,7 @@ void SoftIntegrator::checkBox() const
 /// Speeds and frames of the chunks as the particles are now.
 void SoftIntegrator::measureMotion()
 {
-    motion_.resize(contacts_.chunks().count());
+    motion_.resize(contacts_.chunks().all());
     forEach(settings_.threads, motion_.size(), [&](std::size_t c) { measureMotion(c); });
 }
 
@@ -111,13 +111,14 @@ void SoftIntegrator::rebuild()
     std::vector<LastingWall> walls;
     if (valid_) pairs = contacts_.lasting(), walls = atWalls_.lasting();
     checkBox();
+    std::vector<std::uint64_t> ghosts;
+    for (std::size_t g = 0; g < halo_.size(); ++g) ghosts.push_back(halo_.id(g));
+    cloud_.resizeGhosts(0);
     const Untouched<std::uint32_t> now = cloud_.sort(2*cloud_.mean);
+    if (!exchange_.alone()) makeHalo();
     if (valid_)
     {
-        forElements(settings_.threads, pairs.size(), [&](std::size_t k)
-        {
-            pairs[k].first = now[pairs[k].first], pairs[k].second = now[pairs[k].second];
-        });
+        rename(pairs, now, ghosts);
         for (LastingWall& w : walls) w.particle = now[w.particle];
         install(pairs, walls);
     }
@@ -128,45 +129,49 @@ void SoftIntegrator::rebuild()
     valid_ = true;
     ++rebuilds_;
     measureMotion();
-    grantBuffers();
+    grantBuffers(exchange_.alone() ? 0 : contacts_.chunks().count(), contacts_.chunks().all());
+    neighbours_ = chunkNeighbours(cloud_, contacts_.chunks(), 6*widestBuffer());
+    if (!exchange_.alone()) measureHalo(true);
     findNeighbours();
     selectNear();
     wallMargin_.resize(contacts_.chunks().count());
     forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c) { refreshWalls(c); });
 }
 
-/// Buffers for a new list.
-void SoftIntegrator::grantBuffers()
+/// Buffers of these chunks for a new list.
+void SoftIntegrator::grantBuffers(std::size_t from, std::size_t to)
 {
-    const std::size_t chunks = contacts_.chunks().count();
-    const bool first = listBuffer_.chunks() != chunks;
+    const Chunks& chunks = contacts_.chunks();
+    const bool first = listBuffer_.chunks() != chunks.count();
     for (VerletBuffer* buffer : {&listBuffer_, &nearBuffer_})
     {
-        buffer->resize(contacts_.chunks());
-        for (std::size_t c = 0; first && c < chunks; ++c)
+        buffer->resize(chunks);
+        for (std::size_t c = from; c < to; ++c)
         {
-            buffer->expect(c, 0.5*motion_[c].speed
-                              + std::sqrt(0.2*cloud_.strongestPush*cloud_.mean));
+            if (first || c >= chunks.count())
+                buffer->expect(c, 0.5*motion_[c].speed
+                                  + std::sqrt(0.2*cloud_.strongestPush*cloud_.mean));
         }
     }
-    grantNear();
+    grantNear(from, to);
     const double most = widestBuffer(), interval = listInterval();
     const bool equal = settings_.skin > 0 || searchesEveryStep();
-    forEach(settings_.threads, chunks, [&](std::size_t c)
+    forEach(settings_.threads, to - from, [&](std::size_t k)
     {
+        const std::size_t c = from + k;
         if (equal) listBuffer_.grant(c, cloud_, most);
         else listBuffer_.grant(c, cloud_, motion_[c].frame, interval, 0, most, &nearBuffer_);
     });
-    neighbours_ = chunkNeighbours(cloud_, contacts_.chunks(), 6*most);
     sinceList_ = 0;
 }
 
-void SoftIntegrator::grantNear()
+void SoftIntegrator::grantNear(std::size_t from, std::size_t to)
 {
     constexpr double least = 8;      // sub-steps of the fastest particle
     const double interval = nearInterval(), most = 0.5*widestBuffer();
-    forEach(settings_.threads, contacts_.chunks().count(), [&](std::size_t c)
+    forEach(settings_.threads, to - from, [&](std::size_t k)
     {
+        const std::size_t c = from + k;
         const ChunkMotion& m = motion_[c];
         nearBuffer_.grant(c, cloud_, m.frame, interval, least*m.speed*step_, most);
     });
@@ -175,7 +180,13 @@ void SoftIntegrator::grantNear()
 
 void SoftIntegrator::findNeighbours()
 {
-    Untouched<double> reach(cloud_.size());
+    if (cloud_.rows.empty())             // on this rank
+    {
+        list_.begin.assign(1, 0);
+        list_.second.clear();
+        return;
+    }
+    Untouched<double> reach(cloud_.rows.size());
     const auto sums = forBlocks(settings_.threads, reach.size(),
                                 [&](std::size_t begin, std::size_t end)
     {
@@ -187,14 +198,14 @@ void SoftIntegrator::findNeighbours()
         }
         return sum;
     });
-    const double widest = std::accumulate(sums.begin(), sums.end(), 0.0)/double(cloud_.size());
+    const double widest = std::accumulate(sums.begin(), sums.end(), 0.0)/double(reach.size());
     const Row* rows = cloud_.rows.data();
-    const Spheres spheres{cloud_.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
+    const Spheres spheres{reach.size(), &rows->x, &rows->y, &rows->z, reach.data(), 0,
                           sizeof(Row)/sizeof(double)};
     // not kept: most of the time its memory would lie idle
     PairSearch().find(spheres, cloud_.box, settings_.search, settings_.cellLayers,
                       settings_.threads, list_);
-    density_ = std::max(0.2, double(list_.size())/double(cloud_.size())
+    density_ = std::max(0.2, double(candidates())/double(cloud_.size())
                              /(1 + 2*widest/cloud_.mean));
 }
 
@@ -207,21 +218,26 @@ void SoftIntegrator::selectNear()
     contacts_.connect();
 }
 
-/// New near pairs, and a new list if this one leaves no room for them.
-void SoftIntegrator::refresh()
+/// New near pairs; false if the list leaves no room for them.
+bool SoftIntegrator::refresh()
 {
-    const std::size_t chunks = contacts_.chunks().count();
+    const std::size_t chunks = contacts_.chunks().all();
     forEach(settings_.threads, chunks, [&](std::size_t c) { nearBuffer_.measure(c, cloud_); });
     forEach(settings_.threads, chunks,
             [&](std::size_t c) { nearBuffer_.learn(c, sinceNear_, neighbours_); });
     measureMotion();
-    grantNear();
+    grantNear(0, chunks);
     forEach(settings_.threads, chunks,
             [&](std::size_t c) { listBuffer_.measure(c, cloud_, &nearBuffer_); });
-    if (listBuffer_.suffices(neighbours_, 2*widestBuffer())) return selectNear();
+    if (!exchange_.alone()) measureHalo(false);
+    if (listBuffer_.suffices(neighbours_, 2*widestBuffer()) && haloHasRoom())
+    {
+        selectNear();
+        return true;
+    }
     forEach(settings_.threads, chunks,
             [&](std::size_t c) { listBuffer_.learn(c, sinceList_, neighbours_); });
-    rebuild();
+    return false;
 }
 
 void SoftIntegrator::refreshWalls(std::size_t chunk)
@@ -273,10 +289,11 @@ bool SoftIntegrator::nearSuffices()
 /// Refreshes or rebuilds lists that could miss a pair after the displacements so far.
 void SoftIntegrator::ensureLists()
 {
-    if (!valid_ || searchesEveryStep()) return rebuild();
-    if (!nearSuffices()) refresh();
+    bool wanted = !valid_ || searchesEveryStep();
+    if (!wanted && !(nearSuffices() && haloSuffices())) wanted = !refresh();
+    if (exchange_.alone() ? wanted : agreeOnList(wanted)) return rebuild();
     std::vector<std::uint32_t> nearWalls;
-    for (std::uint32_t c = 0; c < motion_.size(); ++c)
+    for (std::uint32_t c = 0; c < contacts_.chunks().count(); ++c)
     {
         if (!(motion_[c].wallWay < wallMargin_[c])) nearWalls.push_back(c);
     }

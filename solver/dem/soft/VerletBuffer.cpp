@@ -14,8 +14,8 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, const Chunks& chunks, do
     {
         Vector3 middle, half;
     };
-    std::vector<Extent> extents(chunks.count());
-    forEach(cloud.threads, chunks.count(), [&](std::size_t c)
+    std::vector<Extent> extents(chunks.all());
+    forEach(cloud.threads, chunks.all(), [&](std::size_t c)
     {
         Vector3 low{1e300, 1e300, 1e300}, high = -low;
         for (std::size_t i = chunks.begin(c); i < chunks.end(c); ++i)
@@ -29,10 +29,10 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, const Chunks& chunks, do
         }
         extents[c] = {0.5*(low + high), 0.5*(high - low)};
     });
-    ChunkNeighbours neighbours(chunks.count());
-    forEach(cloud.threads, chunks.count(), [&](std::size_t c)
+    ChunkNeighbours neighbours(chunks.all());
+    forEach(cloud.threads, chunks.all(), [&](std::size_t c)
     {
-        for (std::uint32_t d = 0; d < chunks.count(); ++d)
+        for (std::uint32_t d = 0; d < chunks.all(); ++d)
         {
             const Vector3 apart = cloud.box.shortest(extents[c].middle - extents[d].middle);
             bool near = d != c;
@@ -49,8 +49,8 @@ ChunkNeighbours chunkNeighbours(const SoftCloud& cloud, const Chunks& chunks, do
 void VerletBuffer::resize(const Chunks& chunks)
 {
     runs_ = chunks;
-    chunks_.resize(chunks.count());
-    anchors_.resize(chunks.particles());
+    chunks_.resize(chunks.all());
+    anchors_.resize(chunks.particles() + chunks.ghosts());
 }
 
 void VerletBuffer::expect(std::size_t c, double rate)
@@ -194,7 +194,7 @@ bool VerletBuffer::surelySuffices(double most) const
 
 bool VerletBuffer::suffices(const ChunkNeighbours& neighbours, double most) const
 {
-    if (surelySuffices(most)) return true;
+    if (chunks_.empty() || surelySuffices(most)) return true;
     bool enough = farthest() < most;
     for (std::size_t c = 0; enough && c < chunks_.size(); ++c) enough = suffices(c, neighbours);
     return enough;

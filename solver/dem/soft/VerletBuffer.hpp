@@ -35,10 +35,11 @@ class VerletBuffer
 {
 public:
     /// Forgets the adapted margins.
-    void forget() { chunks_.clear(), anchors_.clear(); }
+    void forget() { runs_ = Chunks(), chunks_.clear(), anchors_.clear(); }
 
+    /// Chunks that were there before keep what they have.
     void resize(const Chunks& chunks);
-    std::size_t chunks() const { return chunks_.size(); }
+    std::size_t chunks() const { return runs_.count(); }
 
     /// First guess of the speed by which a chunk's margin grows, m/s.
     void expect(std::size_t chunk, double rate);
@@ -65,6 +66,11 @@ public:
     bool suffices(std::size_t chunk, const ChunkNeighbours& neighbours, double reserve = 0) const;
     /// True if all chunks suffice and no two particles may have come closer by `most`, m.
     bool suffices(const ChunkNeighbours& neighbours, double most) const;
+    /// Least that is left of a buffer in the chunk against what has moved by `common`, m.
+    double spare(std::size_t chunk, const Vector3& common) const
+    {
+        return chunks_[chunk].left - norm(chunks_[chunk].shift - common);
+    }
     /// Bound of the approach of any two particles, m.
     double farthest() const;
 

@@ -2,9 +2,12 @@
 
 #include "parallel/Exchange.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 namespace elutria::dem
@@ -14,7 +17,13 @@ namespace elutria::dem
 class ThreadRanks
 {
 public:
-    explicit ThreadRanks(int ranks) : mail_(ranks, std::vector<Bytes>(ranks)) {}
+    /// Where each rank has a core, waiting threads may spin: they go on sooner.
+    explicit ThreadRanks(int ranks, bool spin = false)
+      : mail_(ranks, std::vector<Bytes>(ranks)), spins_(spin ? 1 << 24 : 0)
+    {
+        for (auto& letters : letters_) letters = mail_;
+        for (auto& terms : terms_) terms.resize(ranks);
+    }
 
     /// Calls work(exchange) for every rank, each in a thread; passes the first rank's exception on.
     template<class Work>
@@ -57,28 +66,59 @@ private:
             return doSwap(std::vector<Bytes>(ranks(), mine));
         }
 
+        void doSwapWith(std::vector<Partner>& partners) override
+        {
+            const unsigned parity = round_++ % 2;
+            for (const Partner& p : partners) all_.letters_[parity][rank_][p.rank] = p.sent;
+            all_.wait();
+            for (Partner& p : partners)
+            {
+                const Bytes& letter = all_.letters_[parity][p.rank][rank_];
+                if (letter.size() != p.received.size())
+                    throw std::logic_error("a message is not as long as expected");
+                p.received = letter;
+            }
+        }
+        void doSum(std::vector<double>& values) override
+        {
+            const unsigned parity = round_++ % 2;
+            all_.terms_[parity][rank_] = values;
+            all_.wait();
+            std::fill(values.begin(), values.end(), 0.0);
+            for (const std::vector<double>& ofRank : all_.terms_[parity])
+                for (std::size_t k = 0; k < values.size(); ++k) values[k] += ofRank[k];
+        }
+
         ThreadRanks& all_;
         int rank_;
+        unsigned round_ = 0;             // of what is kept by turns: others may still read the last
     };
 
-    /// Until all ranks are here.
+    /// Until all ranks are here: a while without giving up the core.
     void wait()
     {
-        std::unique_lock<std::mutex> lock(mutex_);
-        const std::size_t round = round_;
-        if (++arrived_ == mail_.size())
+        const std::size_t round = round_.load(std::memory_order_acquire);
+        if (arrived_.fetch_add(1, std::memory_order_acq_rel) + 1 == mail_.size())
         {
-            arrived_ = 0, ++round_;
+            arrived_.store(0, std::memory_order_relaxed);
+            const std::lock_guard<std::mutex> lock(mutex_);
+            round_.store(round + 1, std::memory_order_release);
             all_.notify_all();
             return;
         }
-        all_.wait(lock, [&] { return round_ != round; });
+        for (int spin = 0; spin < spins_; ++spin)
+            if (round_.load(std::memory_order_acquire) != round) return;
+        std::unique_lock<std::mutex> lock(mutex_);
+        all_.wait(lock, [&] { return round_.load(std::memory_order_acquire) != round; });
     }
 
     std::vector<std::vector<Bytes>> mail_;     // to each rank, from each
     std::mutex mutex_;
     std::condition_variable all_;
-    std::size_t arrived_ = 0, round_ = 0;
+    std::atomic<std::size_t> arrived_{0}, round_{0};
+    std::vector<std::vector<Bytes>> letters_[2];           // from each rank, to each
+    std::vector<std::vector<double>> terms_[2];            // of each rank
+    int spins_;
 };
 
 } // namespace elutria::dem

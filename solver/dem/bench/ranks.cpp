@@ -1,0 +1,130 @@
+// What ranks are worth to contact steps: the scenes of tiledScene.hpp in blocks of equal size sideways,
+// one for each rank. Ranks are threads of this process, with engines and memory of their own, and talk to
+// each other in memory. One line of a csv table for each number of ranks, with the ratio to the fewest.
+//   particles=100000,1000000 ranks=1,2,4,8,16 (as far as the cores go) scene=settled,falling
+//   work=6e7 (particle-steps measured of settled spheres; ten times as many of falling ones)
+//   spin=1 (while they wait for each other; 0: where there are fewer cores than ranks)
+// States depend on the number of ranks by the order of sums, so that beside the checksum there is the
+// energy.
+
+#include "bench.hpp"
+#include "tests/support/ThreadExchange.hpp"
+#include "tiledScene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+using namespace elutria::dem;
+
+namespace
+{
+
+struct Timing
+{
+    double wall = 0, processor = 0, exchange = 0;        // s; that of the first rank in exchanges
+    double energy = 0;                                   // J, kinetic, without spin
+    std::size_t bytes = 0;                               // sent by the first rank
+    std::uint64_t state = 0;
+    StepReport report;
+};
+
+/// Blocks along x and y, as square as they get.
+unsigned blockOf(const BoxScene& scene, const Vector3& x, unsigned ranks)
+{
+    auto deep = unsigned(std::sqrt(double(ranks)));
+    while (ranks % deep != 0) --deep;
+    const unsigned across = ranks/deep;
+    const auto along = [](double x, double length, unsigned count)
+    {
+        return std::min(count - 1, unsigned(std::max(0.0, x/length*count)));
+    };
+    return along(x.y, scene.depth, deep)*across + along(x.x, scene.width, across);
+}
+
+Particles ofRank(const BoxScene& scene, const Particles& all, unsigned ranks, unsigned rank)
+{
+    Particles own = all;
+    keepOnly(own, [&](std::size_t i) { return blockOf(scene, all.position[i], ranks) == rank; });
+    return own;
+}
+
+Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, bool spin,
+               std::size_t warmup, std::size_t steps)
+{
+    std::vector<Particles> parts(ranks);
+    Timing t;
+    ThreadRanks(int(ranks), spin).run([&](Exchange& exchange)
+    {
+        const bool first = exchange.rank() == 0;
+        Particles& own = parts[exchange.rank()];
+        own = ofRank(scene, all, ranks, unsigned(exchange.rank()));
+        Engine engine(scene.settings(1), grain(1e7, 0.35, 0.9, 0.1), scene.walls(), exchange);
+        engine.advance(own, double(warmup)*scene.step);
+        exchange.share({});
+        const Exchange::Traffic before = exchange.traffic();
+        const double wall = seconds(), processor = processorSeconds();
+        const StepReport report = engine.advance(own, double(steps)*scene.step);
+        const Exchange::Traffic after = exchange.traffic();
+        exchange.share({});
+        if (!first) return;
+        t.wall = seconds() - wall, t.processor = processorSeconds() - processor;
+        t.exchange = after.seconds - before.seconds, t.bytes = after.bytes - before.bytes;
+        t.report = report;
+    });
+    std::vector<std::pair<std::uint64_t, std::pair<unsigned, std::size_t>>> byId;
+    for (unsigned r = 0; r < ranks; ++r)
+        for (std::size_t i = 0; i < parts[r].size(); ++i) byId.push_back({parts[r].id[i], {r, i}});
+    std::sort(byId.begin(), byId.end());
+    Particles end;
+    for (const auto& [id, place] : byId)
+    {
+        const Particles& p = parts[place.first];
+        const std::size_t i = place.second;
+        end.position.push_back(p.position[i]);
+        end.velocity.push_back(p.velocity[i]);
+        end.spin.push_back(p.spin[i]);
+        t.energy += 0.5*p.mass[i]*squaredNorm(p.velocity[i]);
+    }
+    t.state = checksum(end);
+    return t;
+}
+
+} // namespace
+
+int runRanks(const Options& o)
+{
+    const std::vector<unsigned> numbers = numbersListed(o.text("ranks", ""));
+    const double work = o.number("work", 6e7);
+    const bool spin = o.number("spin", 1) != 0;
+    Scenes scenes;
+    std::printf("scene,particles,ranks,steps,wall_us_per_particle_step,speed_up,"
+                "processor_us_per_particle_step,processor_ratio,exchange_share,ghosts_per_rank,"
+                "sent_bytes_per_step,list_builds,energy_J,state\n");
+    for (const std::string& size : listed(o.text("particles", "100000,1000000")))
+    {
+        const auto particles = std::size_t(std::stod(size));
+        const BoxScene scene = sceneOf(particles);
+        for (const std::string& name : listed(o.text("scene", "settled,falling")))
+        {
+            const Particles p = scenes.make(name, particles);
+            const std::size_t steps = stepsFor(name, work, p.size());
+            Timing first;
+            for (const unsigned ranks : numbers)
+            {
+                const Timing t = measure(scene, p, ranks, spin, steps/5, steps);
+                if (ranks == numbers.front()) first = t;
+                const double each = 1e6/(double(steps)*double(p.size()));
+                std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.3f,%.0f,%.4g,%zu,%.10g,%016llx\n",
+                            name.c_str(), p.size(), ranks, steps, each*t.wall, first.wall/t.wall,
+                            each*t.processor, t.processor/first.processor, t.exchange/t.wall,
+                            double(t.report.ghosts)/ranks, double(t.bytes)/double(steps),
+                            t.report.listBuilds, t.energy,
+                            static_cast<unsigned long long>(t.state));
+                std::fflush(stdout);
+            }
+        }
+    }
+    return 0;
+}
