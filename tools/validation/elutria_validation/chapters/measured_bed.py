@@ -138,7 +138,8 @@ def poured(sizes: list[float], seed: int) -> Particles:
 
 
 def _made(folder: Path, box: BoxCase, start: Particles) -> Path:
-    """A box whose particles are beads and intruders, two materials; nothing is fed."""
+    """A box whose particles are beads and intruders, the two materials of a feed that begins after
+    the end."""
     case = box.make(folder, start)
     light = (start.density < GLASS_DENSITY).astype(int)
     where = "0/lagrangian/kinematicCloud"
@@ -151,7 +152,6 @@ def _made(folder: Path, box: BoxCase, start: Particles) -> Path:
              for name, density in (("glass", GLASS_DENSITY), ("light", LIGHT_DENSITY))}  # fmt: skip
     add_feed(case, {"materials": kinds, "massFlowRate": 1e-3, "particles": 1, "start": 1e3,
                     "outlets": {"out": ["top"]}})  # fmt: skip
-    change(case, {f"{MODELS}/injectionModels": {}})
     return case
 
 
