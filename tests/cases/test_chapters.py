@@ -6,13 +6,16 @@ import importlib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib import rc_context
 
 from elutria.output.style import STYLE
 from elutria_validation.book.page import ORDER
 from elutria_validation.book.writing import run_chapter
+from elutria_validation.chapters import measured_bed
 from elutria_validation.harness.job import Job
+from elutria_validation.harness.particles import Particles
 
 QUICK = {
     "contacts": ("bounce", "slip_to_roll"),
@@ -50,6 +53,16 @@ def test_a_section_passes(tmp_path: Path, measured, name: str, section: str) -> 
     assert judged
     for row in judged:
         measured(f"{row.case}: {row.checked}", row.error, row.allowed)
+
+
+def test_the_measured_bed_starts(tmp_path: Path, monkeypatch) -> None:
+    """Beads and intruders that lie there already are of two materials; nothing is fed."""
+    whole = measured_bed.poured([measured_bed.INTRUDERS["large"]], 1)
+    few = np.r_[:20, -1]
+    start = Particles.of(whole.position[few], 0, 0, whole.diameter[few], whole.density[few])
+    monkeypatch.setattr(measured_bed, "SETTLING", 1e-3)
+    bed = measured_bed.settled(tmp_path / "bed", start, measured_bed.STANDARD)
+    assert sorted(bed.density) == sorted(start.density)
 
 
 @pytest.mark.slow

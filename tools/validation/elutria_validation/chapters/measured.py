@@ -1,12 +1,13 @@
 """What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
 
-Processor time: pipe two minutes, settings six, a bed 20 s for each second that is computed (of 12
-at most, for each of its three flows), each of the others half a minute at most.
+Processor time: pipe two minutes, settings six; of the bed three minutes a run: bed three runs,
+bed_velocities five, bed_settings seven; each of the others half a minute at most.
 """
 
 from __future__ import annotations
 
 from elutria_validation.chapters.measured_bed import bed, bed_velocities
+from elutria_validation.chapters.measured_bed_settings import bed_settings
 from elutria_validation.chapters.measured_cut import cut_in_air
 from elutria_validation.chapters.measured_dispersion import dispersion
 from elutria_validation.chapters.measured_pipe import pipe, settings
@@ -16,4 +17,4 @@ NAME = "measured"
 TITLE = "Against measurements"
 HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed."
 
-SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities)
+SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities, bed_settings)

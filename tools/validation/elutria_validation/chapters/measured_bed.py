@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.stats import t as student
 
 from elutria.physics.drag import drag_coefficient
 from elutria_validation.book.figures import COLOURS, RED, label, new_figure
@@ -45,12 +44,18 @@ LIGHT_PAIRS = {"glass-light": Pair(0.8230, 0.3041), "light-light": Pair(0.8217, 
 """Of the intruders; with walls, which was not measured, they are taken as with glass."""
 WALLS = ("west", "east", "south", "north", "bottom")
 
-FRAME, PIECE, LIMIT = 0.1, 0.5, 12.0
-"""s: between states that are looked at, of a run at a time, after which it is given up."""
+FRAME, PIECE, LIMIT = 0.1, 0.5, 9.0
+"""s: between states that are looked at, of a run at a time, after which it is given up; the last is
+above every measured interval of what is computed, so that what has not risen fails."""
 SETTLING = 0.5  # s
 STILL = 1.2
 """m/s: gas that does not lift the settled bed."""
 ALLOWED_STILL = 0.05
+UPPER = 1.053
+"""Of the gas velocity: the upper end of what is known of it, over its value."""
+FASTER = f"gas {100 * (UPPER - 1):.1f} % faster"
+LOW, HIGH = 0.02, 0.06
+"""m: heights between which an intruder's speed is taken."""
 SEEN, SOONER, LATER = 0.5, 0.1, 0.8
 """Share of an intruder that is seen from above once it has risen; what else that could mean."""
 
@@ -64,17 +69,34 @@ class Models:
     cells: tuple[int, int, int] = (6, 6, 36)
     kernel: float = 1.5 * GLASS  # m
     step: float = 2e-3  # s
+    friction: float | None = None  # of all pairs; None: as measured
+    uneven: float = 0.0  # share by which gas through neighbouring faces of the bottom differs
     more: Mapping[str, Any] = field(default_factory=dict)
 
     def contacts(self) -> Contacts:
         """Stepped contacts with a modulus that a step can follow."""
         pairs = {**LIGHT_PAIRS, **{f"light-{wall}": LIGHT_PAIRS["glass-light"] for wall in WALLS}}
         entries = {
-            name: {"restitution": pair.restitution, "friction": pair.friction}
+            name: {"restitution": pair.restitution, "friction": self._friction(pair)}
             for name, pair in pairs.items()
         }
-        return Contacts(GLASS_PAIR, WALL_PAIR, treatment="soft", particle=Material(self.young),
+        glass, wall = (
+            replace(one, friction=self._friction(one)) for one in (GLASS_PAIR, WALL_PAIR)
+        )
+        return Contacts(glass, wall, treatment="soft", particle=Material(self.young),
                         step_fraction=0.2, more={"pairs": entries})  # fmt: skip
+
+    def _friction(self, pair: Pair) -> float:
+        return pair.friction if self.friction is None else self.friction
+
+    def inflow(self, velocity: float) -> dict[str, Any]:
+        """Entry of the bottom's gas velocity (m/s, superficial) where it is uneven."""
+        if self.uneven == 0:
+            return {}
+        x, y = np.indices(self.cells[:2]).reshape(2, -1)
+        upward = velocity * (1 + self.uneven * (2 * ((x + y) % 2) - 1))
+        faces = np.column_stack([0 * upward, 0 * upward, upward])
+        return {"0.orig/U.air:boundaryField/inflow/inletVelocity": faces}
 
 
 STANDARD = Models()
@@ -108,9 +130,9 @@ class Flow:
         return mean, interval
 
 
-FLOWS = {Flow(1.99, "large", 2): 1}
-SLOWER_AND_FASTER = {Flow(1.83, "large", 1): 1, Flow(2.14, "large", 2): 1}
-"""What is computed, and in how many runs."""
+FLOWS = {Flow(1.99, "large", 2): 2}
+SLOWER_AND_FASTER = {Flow(1.83, "large", 1): 1, Flow(2.14, "large", 2): 2}
+"""What is computed, and in how many runs; once more each with the upper end of the velocity."""
 
 
 def poured(sizes: list[float], seed: int) -> Particles:
@@ -137,7 +159,8 @@ def poured(sizes: list[float], seed: int) -> Particles:
 
 
 def _made(folder: Path, box: BoxCase, start: Particles) -> Path:
-    """A box whose particles are beads and intruders, two materials; nothing is fed."""
+    """A box whose particles are beads and intruders, the two materials of a feed that begins after
+    the end."""
     case = box.make(folder, start)
     light = (start.density < GLASS_DENSITY).astype(int)
     where = "0/lagrangian/kinematicCloud"
@@ -175,7 +198,7 @@ def fluidised(folder: Path, bed: Particles, velocity: float, models: Models, end
         forces={models.drag: {"alphac": "alpha.air"}, "gravity": {}}, tolerance=(1e-7, 1e-2),
         step=models.step, end=end, interval=FRAME,
         more={f"{PARAMETERS}:bottomType": "wall", f"{CONTROL}:writePrecision": 10,
-              **patch_mean("bottom", "p"), **models.more},
+              **patch_mean("bottom", "p"), **models.inflow(velocity), **models.more},
     )  # fmt: skip
     return _made(folder, box, bed)
 
@@ -194,17 +217,42 @@ def seen(state: Particles, k: int, rays: int = 200) -> float:
 @dataclass(frozen=True)
 class Rise:
     """Times (s), and at each the heights of the intruders (m) and how much of each is seen, shape
-    (times, intruders); the bed's mean pressure drop (Pa)."""
+    (times, intruders), the beads' mean height (m) and the root mean square of their vertical speeds
+    (m/s); the bed's mean pressure drop (Pa)."""
 
     time: Array
     height: Array
     share: Array
+    mean: Array
+    stir: Array
     drop: float
 
     def times(self, share: float = SEEN) -> Array:
         """When each was first seen by that share, s, in their order; LIMIT where it was not."""
         at = np.where(self.share >= share, self.time[:, None], LIMIT)
         return np.sort(at.min(axis=0))
+
+    @property
+    def late(self) -> Array:
+        """Which times are of the second half."""
+        return np.asarray(self.time > self.time[-1] / 2)
+
+    @property
+    def stirred(self) -> float:
+        """The beads' vertical speed in the second half, m/s: a bed at rest has next to none."""
+        return float(self.stir[self.late].mean())
+
+    def speeds(self) -> Array:
+        """Of each intruder between two heights, m/s; of those that got there."""
+        there = self.height.max(axis=0) > HIGH
+        low, high = (self.time[(self.height[:, there] > z).argmax(axis=0)] for z in (LOW, HIGH))
+        return np.asarray((HIGH - LOW) / (high - low))
+
+    def depth(self, radius: float) -> float:
+        """Of the uppermost intruder's top below the bed's surface in the second half, m; the
+        surface is taken at twice the beads' mean height."""
+        covered = 2 * self.mean[:, None] - self.height - radius
+        return float(covered[self.late].mean(axis=0).min())
 
 
 def rise(folder: Path, bed: Particles, velocity: float, models: Models = STANDARD,
@@ -215,6 +263,7 @@ def rise(folder: Path, bed: Particles, velocity: float, models: Models = STANDAR
     time: list[float] = []
     height: list[Array] = []
     share: list[list[float]] = []
+    beads: list[tuple[float, float]] = []
     while not time or (time[-1] < limit - 1e-6 and np.max(share, axis=0).min() < LATER):
         change(case, {f"{CONTROL}:endTime": min(limit, round(sum(time[-1:]) + PIECE, 6))})
         solve(case)
@@ -224,7 +273,11 @@ def rise(folder: Path, bed: Particles, velocity: float, models: Models = STANDAR
                 time.append(float(name))
                 height.append(state.position[light, 2])
                 share.append([seen(state, k) for k in light])
-    return Rise(np.array(time), np.array(height), np.array(share), _drop(case))
+                own = state.density >= GLASS_DENSITY
+                beads.append((float(state.position[own, 2].mean()),
+                              float(np.sqrt(np.mean(state.velocity[own, 2] ** 2)))))  # fmt: skip
+    mean, stir = np.array(beads).T
+    return Rise(np.array(time), np.array(height), np.array(share), mean, stir, _drop(case))
 
 
 def _drop(case: Path) -> float:
@@ -233,6 +286,28 @@ def _drop(case: Path) -> float:
     series = np.concatenate([np.loadtxt(file, ndmin=2) for file in found])
     late = series[:, 0] > series[:, 0].max() / 2
     return float(series[late, 1].mean()) * ROOM.density - ROOM.density * STANDARD_GRAVITY * HEIGHT
+
+
+def gradient(drag: str, velocity: float, void: float, diameter: float) -> float:
+    """Pressure gradient of a bed at rest by a drag law, at a superficial velocity (m/s), Pa/m."""
+    slip = velocity / void
+    reynolds = slip * diameter * ROOM.density / ROOM.viscosity
+    coefficient = float(drag_coefficient(drag, reynolds, void))
+    return 0.75 * (1 - void) * coefficient * ROOM.density * slip**2 / diameter
+
+
+def weight(void: float) -> float:
+    """Of the beads in the gas, per volume of the bed, N/m3."""
+    return (1 - void) * (GLASS_DENSITY - ROOM.density) * STANDARD_GRAVITY
+
+
+def carried(drag: str, velocity: float) -> float:
+    """Void fraction at which the gas carries beads that lie still."""
+    spread = (SCATTER / GLASS) ** 2
+    sauter = GLASS * (1 + 3 * spread) / (1 + spread)
+    return float(
+        brentq(lambda void: gradient(drag, velocity, void, sauter) - weight(void), 0.3, 0.8)
+    )
 
 
 def still(folder: Path, bed: Particles, models: Models = STANDARD) -> list[Row]:
@@ -252,13 +327,9 @@ def still(folder: Path, bed: Particles, models: Models = STANDARD) -> list[Row]:
     mean = float(np.sum(state.diameter**3) / np.sum(state.diameter**2))
 
     def law(velocity: float) -> float:
-        slip = velocity / void
-        reynolds = slip * mean * ROOM.density / ROOM.viscosity
-        drag = float(drag_coefficient(models.drag, reynolds, void))
-        return float(0.75 * (1 - void) * drag * ROOM.density * slip**2 / mean)
+        return gradient(models.drag, velocity, void, mean)
 
-    weight = (1 - void) * (GLASS_DENSITY - ROOM.density) * STANDARD_GRAVITY
-    lift = float(brentq(lambda u: law(u) * ours / law(STILL) - weight, 0.1, 10))
+    lift = float(brentq(lambda u: law(u) * ours / law(STILL) - weight(void), 0.1, 10))
     name = f"settled bed, void fraction {void:.3f}"
     return [
         Row.relative(name, f"pressure gradient at {STILL:g} m/s, by the drag law itself, Pa/m",
@@ -290,8 +361,9 @@ def bed(folder: Path, quick: bool) -> Section:
         "sizes: by Gidaspow's, as by any law of one size, a large sphere has too little of the "
         "pressure gradient around it. Cells of 6.35 mm, a kernel of 1.5 bead diameters, Young's "
         "modulus 1 MPa, walls without slip. Allowed: the measured interval. The gas velocity is "
-        "known to 5.3 %. First, gas that does not lift the settled bed: the pressure gradient in "
-        "its middle beside closed forms at the void fraction there.",
+        "known to 5.3 %: each flow is run once more at the upper end of that, for information. A "
+        f"run ends after {LIMIT:g} s. First, gas that does not lift the settled bed: the pressure "
+        "gradient in its middle beside closed forms at the void fraction there.",
     )
     return _filled(section, folder, FLOWS, quick)
 
@@ -307,6 +379,7 @@ def bed_velocities(folder: Path, quick: bool) -> Section:
 def _filled(section: Section, folder: Path, flows: Mapping[Flow, int], quick: bool) -> Section:
     """With rows and figure of these flows, each so many times; or of a moment of the first."""
     found: dict[Flow, list[Rise]] = {}
+    upper: dict[Flow, Rise] = {}
     for flow, number in flows.items():
         for seed in range(1, 1 + number):
             place = folder / f"flow{len(found)}-{seed}"
@@ -314,34 +387,63 @@ def _filled(section: Section, folder: Path, flows: Mapping[Flow, int], quick: bo
             if not section.rows:
                 section.rows += still(place / "still", bed)
             limit = 0.2 if quick else LIMIT
-            found.setdefault(flow, []).append(
-                rise(place / "gas", bed, flow.velocity, STANDARD, limit)
-            )
-        if quick:
-            (short,) = found[flow]
-            section.rows.append(
-                Row.size(f"{flow.name}, 0.2 s", "share of an intruder seen", short.share.max(), 0)
-            )
-            return section
-        section.rows += _rows(flow, found[flow])
+            one = rise(place / "gas", bed, flow.velocity, STANDARD, limit)
+            if quick:
+                section.rows.append(
+                    Row.size(f"{flow.name}, 0.2 s", "share of an intruder seen", one.share.max(), 0)
+                )
+                return section
+            found.setdefault(flow, []).append(one)
+            if seed == 1:
+                upper[flow] = rise(place / "upper", bed, UPPER * flow.velocity, STANDARD, limit)
+        section.rows += _rows(flow, found[flow], upper[flow])
     section.found = _found(found)
-    _draw(section, found)
+    _draw(section, found, upper)
     return section
 
 
-def _rows(flow: Flow, runs: list[Rise]) -> list[Row]:
+def _rows(flow: Flow, runs: list[Rise], upper: Rise) -> list[Row]:
     ours = np.array([one.times() for one in runs])
-    weight = (MASS + LIGHT_DENSITY * pi / 6 * sum(d**3 for d in flow.sizes)) * STANDARD_GRAVITY
+    whole = (MASS + LIGHT_DENSITY * pi / 6 * sum(d**3 for d in flow.sizes)) * STANDARD_GRAVITY
+    mean, interval = flow.measured()
     rows = [
         Row.relative(
             flow.name, f"rise time of number {k + 1}, s (mean of {len(runs)}: "
-            f"{ours[:, k].min():.1f} to {ours[:, k].max():.1f})", mean, float(ours[:, k].mean()),
-            float(interval / mean),
-        ) for k, (mean, interval) in enumerate(zip(*flow.measured(), strict=True))
+            f"{ours[:, k].min():.1f} to {ours[:, k].max():.1f}, {LIMIT:g}: not risen)",
+            mean[k], float(ours[:, k].mean()), float(interval[k] / mean[k]),
+        ) for k in range(flow.number)
     ]  # fmt: skip
     drop = float(np.mean([one.drop for one in runs]))
-    return [*rows, Row.relative(flow.name, "pressure drop beside the bed's weight, Pa",
-                                weight / (WIDTH * DEPTH), drop, None)]  # fmt: skip
+    rows.append(Row.relative(flow.name, "pressure drop beside the bed's weight, Pa",
+                             whole / (WIDTH * DEPTH), drop, None))  # fmt: skip
+    for name, those in ((flow.name, runs), (f"{flow.name}, {FASTER}", [upper])):
+        rows += motion(name, flow, those)
+    return rows
+
+
+def motion(name: str, flow: Flow, runs: list[Rise]) -> list[Row]:
+    """For information: whether the beads move, how fast the intruders rise, where they stay."""
+    stirred = float(np.mean([one.stirred for one in runs]))
+    rows = [Row.size(name, "vertical speed of the beads, rms in the second half, m/s; error: "
+                     "itself", stirred, None)]  # fmt: skip
+    solid = MASS / GLASS_DENSITY + sum(pi / 6 * d**3 for d in flow.sizes)
+    height = 2 * np.mean([one.mean[one.late].mean() for one in runs])
+    rows.append(Row.size(name, "void fraction of the whole bed, second half; error: itself",
+                         float(1 - solid / (WIDTH * DEPTH * height)), None))  # fmt: skip
+    speeds = np.concatenate([one.speeds() for one in runs])
+    if len(speeds):
+        radius = flow.sizes[0] / 2
+        way = 2 * float(np.mean([one.mean.mean() for one in runs])) - 2 * radius
+        rows.append(
+            Row.relative(name, f"speed of the {len(speeds)} intruders of {flow.number * len(runs)} "
+                         f"that get from {1e3 * LOW:g} to {1e3 * HIGH:g} mm, m/s, beside the bed's "
+                         "height over the measured time", way / float(flow.measured()[0].mean()),
+                         float(speeds.mean()), None)
+        )  # fmt: skip
+    deep = float(np.mean([one.depth(flow.sizes[0] / 2) for one in runs]))
+    rows.append(Row.size(name, "depth of the uppermost intruder's top below the surface, second "
+                         "half, m; error: itself", deep, None))  # fmt: skip
+    return rows
 
 
 def _found(found: Mapping[Flow, list[Rise]]) -> str:
@@ -360,7 +462,7 @@ def _found(found: Mapping[Flow, list[Rise]]) -> str:
     )
 
 
-def _draw(section: Section, found: Mapping[Flow, list[Rise]]) -> None:
+def _draw(section: Section, found: Mapping[Flow, list[Rise]], upper: Mapping[Flow, Rise]) -> None:
     figure, (above, below) = new_figure(125, rows=2, height_ratios=(1, 1.2))
     for number, (flow, runs) in enumerate(found.items()):
         mean, interval = flow.measured()
@@ -370,19 +472,26 @@ def _draw(section: Section, found: Mapping[Flow, list[Rise]]) -> None:
         ours = np.array([one.times() for one in runs])
         above.plot(np.broadcast_to(place[:, 1], ours.shape).ravel(), ours.ravel(), ".", ms=4,
                    color=RED, label="each run" if number == 0 else None)  # fmt: skip
-        if len(runs) > 1:
-            wide = ours.std(axis=0, ddof=1) * student.ppf(0.975, len(runs) - 1) / len(runs) ** 0.5
-            above.errorbar(place[:, 1], ours.mean(axis=0), wide, fmt="o", ms=4, color=RED,
-                           capsize=2, label="mean and 95 %" if number == 0 else None)  # fmt: skip
         colour = COLOURS[number]
-        for one in runs:
-            below.plot(one.time, 1e3 * one.height, color=colour, lw=0.7)
+        for k, one in enumerate(runs):
+            below.plot(one.time, 1e3 * one.height, color=colour, lw=0.8)
+            if k == 0:
+                below.plot(one.time, 2e3 * one.mean, ":", color=colour, lw=0.7)
+        below.plot(upper[flow].time, 1e3 * upper[flow].height, "--", color=colour, lw=0.8)
         below.plot([], [], color=colour, label=flow.name)
+    below.plot([], [], "--", color="k", lw=0.8, label=FASTER)
+    below.plot([], [], ":", color="k", lw=0.7, label="the bed's surface")
+    above.axhline(LIMIT, color="0.6", lw=0.6)
     above.set_xticks(range(len(found)), [flow.name for flow in found])
-    above.set_ylim(0, None)
+    above.set_xlim(-0.5, len(found) - 0.5)
+    above.set_ylim(0, 1.1 * LIMIT)
     above.set_ylabel("rise time, s")
-    above.legend()
-    label(below, "time, s", "height of the intruders' centres, mm")
+    above.legend(loc="lower right")
+    below.set_ylim(0, 145)
+    label(below, "time, s", "height of the intruders' centres, mm", fontsize=6, loc="upper left",
+          ncols=2)  # fmt: skip
     section.figures["bed" if FLOWS.keys() == found.keys() else "bed_velocities"] = (
-        figure, "Above: rise times, one behind the other where several rise. Below: their heights."
+        figure, "Above: rise times, one behind the other where several rise; on the grey line: not "
+        "risen. Below: heights of their centres, and of the bed's surface (twice the mean of the "
+        "beads'; first run)."
     )  # fmt: skip
