@@ -74,7 +74,7 @@ def test_check_counts_the_parcels_that_the_feeds_duration_holds(
         set_entry(column / PARAMETERS, entry, value, column)
     main(["check", str(column)])
     said = " ".join(capsys.readouterr().out.split())
-    assert "parcels 9 (fewer than the 500 asked for: duration ends before)" in said
+    assert "parcels 9 (fewer than the 500 asked constant/feed for: duration ends before)" in said
 
 
 @pytest.mark.parametrize(
