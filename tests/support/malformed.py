@@ -66,6 +66,8 @@ SILENT: list[tuple[str, str, str]] = [
     (CONTROL, "purgeWrite", "purgeWrite -1;"),
     (CONTROL, "stopAt", "stopAt nextWrite;"),
     (SCHEMES, "default", "ddtSchemes { default steadyState; }"),
+    (SCHEMES, "default", "ddtSchemes { default backward; }"),
+    (SCHEMES, "default", "ddtSchemes { default CrankNicolson 0.9; }"),
     (SCHEMES, "default", "ddtSchemes { default localEuler rDeltaT; }"),
     (CONTROL, "timePrecision", "timePrecision 0;"),
     (CONTROL, "writePrecision", "writePrecision 4000;"),
