@@ -11,6 +11,7 @@
 #include "PstreamReduceOps.H"
 #include "UIPstream.H"
 #include "UOPstream.H"
+#include "vector2D.H"
 
 namespace Foam
 {
