@@ -43,6 +43,7 @@ USERS_NAMES = {
     "partitionTo_": "the entry partitionTo, whose default it is",
     "source.name()": "a source of constant/fvOptions",
     "reverse": "pairs: the other way round",
+    "own": "pairs: either of both",
     "usual": "particleParticle or particleWall",
     "pairModel + Coeffs": "stock's coefficients of the pair model",
     "wallModel + Coeffs": "stock's coefficients of the wall model",

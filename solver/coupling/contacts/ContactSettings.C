@@ -164,15 +164,15 @@ word entryOfPair
             << "there are " << name << " and " << reverse << ", allowed: one"
             << " of both" << exit(FatalIOError);
     }
-    const word found(here ? name : there ? reverse : word());
-    if (!found.empty() && !taken.insert(found))
+    const word taking(here ? name : there ? reverse : word());
+    if (!taking.empty() && !taken.insert(taking))
     {
         FatalIOErrorInFunction(pairs)
-            << found << " is the name of two pairs of materials and walls,"
+            << taking << " is the name of two pairs of materials and walls,"
             << " allowed: materials without hyphens, and not called as a wall"
             << exit(FatalIOError);
     }
-    return found;
+    return taking;
 }
 
 } // End anonymous namespace
