@@ -25,7 +25,12 @@ from elutria.openfoam.dictionary import (
     read_list,
     set_entry,
 )
-from elutria.openfoam.elsewhere import FOLDERS, name_the_same, named_elsewhere
+from elutria.openfoam.elsewhere import (
+    FOLDERS,
+    LARGEST_DICTIONARY,
+    name_the_same,
+    named_elsewhere,
+)
 from elutria.openfoam.mesh import check_mesh
 from elutria.openfoam.own_mesh import is_stale, keeps_mesh
 from elutria.openfoam.text import without_comments
@@ -37,8 +42,6 @@ VELOCITY = f"{PARAMETERS}:gasVelocity"
 SEED = f"{PARAMETERS}:seed"
 CLOUD = "constant/kinematicCloudProperties"
 """Of the cloud that the solver takes unless it is told another's name."""
-_LARGEST_DICTIONARY = 1_000_000
-"""Bytes; larger files are fields."""
 MESH_SCRIPTS = ("Allmesh", "Allrun.pre")
 """What makes a case's mesh otherwise than blockMesh alone; the first that is there."""
 
@@ -250,14 +253,14 @@ class Case:
         # a program may put the name together; what feeds is constant/feed's alone
         named = re.escape(entry) if entry in ENTRIES else f"{re.escape(entry)}|{Path(file).name}"
         as_word = re.compile(rf"(?<!\w)({named})(?!\w)")
-        for path in dict(_inputs(self.path)).values():
-            if path.stat().st_size > _LARGEST_DICTIONARY:
+        for _, path in _inputs(self.path):
+            if path.stat().st_size > LARGEST_DICTIONARY:
                 continue
             text = path.read_text("latin-1")
             is_program = path.name in MESH_SCRIPTS or path.suffix in (".py", ".sh")
             if (is_program and as_word.search(text)) or by_name.search(without_comments(text)):
                 return
-        if not self.dictionary(PARAMETERS).entries.keys() & {entry}:
+        if entry not in self.dictionary(PARAMETERS).entries:
             return  # set_entry says what there is
         raise InputError(
             f"{self.name}/{PARAMETERS}: {entry}: no file of the case takes ${entry}, so that its "

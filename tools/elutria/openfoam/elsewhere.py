@@ -10,8 +10,8 @@ from pathlib import Path
 
 FOLDERS = ("0", "0.orig", "constant", "system")
 """Where a case has its dictionaries, fields and tables."""
-_LARGEST = 1_000_000
-"""Bytes; larger files are fields, which name no others."""
+LARGEST_DICTIONARY = 1_000_000
+"""Bytes; larger files are fields or meshes, which name no others."""
 _DEEPEST = 10
 """An include within so many others goes round in a circle."""
 _NAMED = re.compile(
@@ -53,8 +53,17 @@ def dictionaries(case: Path) -> Iterator[Path]:
     """The files of a case that may name others, in a fixed order."""
     for folder in FOLDERS:
         for file in sorted((case / folder).glob("*")):
-            if file.is_file() and file.stat().st_size <= _LARGEST:
+            if file.is_file() and file.stat().st_size <= LARGEST_DICTIONARY:
                 yield file
+
+
+def in_case(name: str, case: Path) -> str:
+    """A file's name as a dictionary has it, with the case's folder where OpenFOAM puts it."""
+    for own, folder in (("<case>", ""), ("$FOAM_CASE", ""), ("${FOAM_CASE}", ""),
+                        ("<constant>", "constant"), ("<system>", "system")):  # fmt: skip
+        if name.startswith(own):
+            return f"{case / folder}{name.removeprefix(own)}"
+    return name
 
 
 def _text(file: Path) -> str:
@@ -71,7 +80,11 @@ def _follow(case: Path, file: Path, text: str, found: dict[str, Path], depth: in
             name = target.relative_to(case).as_posix()
         if found.setdefault(name, target) != target:
             found[str(target)] = target
-        if match["how"] != "file" and depth < _DEEPEST and target.stat().st_size <= _LARGEST:
+        if (
+            match["how"] != "file"
+            and depth < _DEEPEST
+            and target.stat().st_size <= LARGEST_DICTIONARY
+        ):
             _follow(case, target, _text(target), found, depth + 1)
 
 
@@ -85,10 +98,7 @@ def _target(case: Path, file: Path, match: re.Match[str]) -> Path | None:
     name = match["quoted"] or match["bare"]
     if name is None:
         return None
-    for own, folder in (("<case>", ""), ("$FOAM_CASE", ""), ("${FOAM_CASE}", ""),
-                        ("<constant>", "constant"), ("<system>", "system")):  # fmt: skip
-        if name.startswith(own):
-            name = f"{case / folder}/{name.removeprefix(own)}"
+    name = in_case(name, case)
     if "$" in name or name.startswith(("~", "<")):
         return None
     within = case if match["how"] == "file" else file.parent

@@ -15,12 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from elutria.files import cache_folder
+from elutria.openfoam.elsewhere import FOLDERS, LARGEST_DICTIONARY, in_case
 
 _MOST = 2000
 """Answers that are kept, a thousand runs of a sweep among them; the longest unused go first."""
-_LARGEST_READ = 1_000_000
-"""Bytes; larger files are fields or meshes, told apart by their date."""
-_PARTS = ("0", "0.orig", "constant", "system")
 _INCLUDED = re.compile(rb"#\w*[iI]nclude(\w*)\s*(\"[^\"\n]*\"|\S+)")
 _NAMES = re.compile(rb"\$\{?(\w+)")
 _CASE = "<<case>>"
@@ -36,7 +34,7 @@ def dictionaries(case: Path) -> Iterator[Path]:
 def inputs(case: Path) -> Iterator[Path]:
     """The files of a case that decide its plan, in a fixed order."""
     yield from sorted(path for path in case.glob("All*") if path.is_file())
-    for part in _PARTS:
+    for part in FOLDERS:
         yield from sorted(path for path in (case / part).rglob("*") if path.is_file())
 
 
@@ -78,7 +76,7 @@ def _program(name: str) -> list[str]:
 
 def _content(file: Path) -> bytes:
     stat = file.stat()
-    if stat.st_size > _LARGEST_READ:
+    if stat.st_size > LARGEST_DICTIONARY:  # told apart by its date
         return f"{file.resolve()} {stat.st_mtime_ns} {stat.st_size}".encode()
     return file.read_bytes()
 
@@ -86,10 +84,7 @@ def _content(file: Path) -> bytes:
 def _includes_within(case: Path, file: Path, content: bytes) -> bool:
     """Whether all that a file includes lies in the case's own constant or system."""
     for kind, written in _INCLUDED.findall(content):
-        name = written.decode("utf-8", "replace").strip('";')
-        for own, folder in (("<case>", ""), ("$FOAM_CASE", ""), ("${FOAM_CASE}", ""),
-                            ("<constant>", "constant"), ("<system>", "system")):  # fmt: skip
-            name = name.replace(own, str(case / folder)) if name.startswith(own) else name
+        name = in_case(written.decode("utf-8", "replace").strip('";'), case)
         target = Path(os.path.normpath(file.parent / name))
         if kind in (b"Etc", b"Func") or set(name) & set("$<~"):
             return False

@@ -26,6 +26,7 @@ from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates import machine, ranks
 from elutria.files import read_json, write_json, writing_to
+from elutria.openfoam.elsewhere import LARGEST_DICTIONARY
 from elutria.openfoam.started import started_in, with_own_name
 from elutria.openfoam.text import line_with
 from elutria.running import costs
@@ -298,10 +299,6 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
     return found
 
 
-_LARGEST_DICTIONARY = 1_000_000
-"""Bytes; larger files are fields."""
-
-
 def _refusal(case: Case, copy: Case, said: str) -> str:
     """What a program said of a case's `copy`, as of the case itself."""
     reason = re.sub(r" \(see [^)]*\)$", "", said)
@@ -319,7 +316,7 @@ def _code_in(case: Case) -> str:
     found = [
         f"{path.relative_to(case.path)} on line {line}"
         for path in sorted(case.path.glob("*/*"))
-        if path.is_file() and path.stat().st_size < _LARGEST_DICTIONARY
+        if path.is_file() and path.stat().st_size < LARGEST_DICTIONARY
         for code in ("#calc", "#codeStream")
         if (line := line_with(path.read_text("latin-1"), code))
     ]

@@ -88,6 +88,8 @@ def plan(
     """The runs of a sweep, checked as far as possible without running anything."""
     if replicates < 1:
         raise InputError(f"--replicates {replicates}; allowed: a whole number >= 1")
+    if replicates > 1:
+        case.require_used(SEED)
     extra = list(extra)
     _refuse_set_twice(points, extra)
     members = []
@@ -125,7 +127,6 @@ def _refuse_set_twice(points: list[Point], extra: list[str]) -> None:
 
 def _replicate(case: Case, first: Member, number: int) -> Member:
     """Replicate `number` (2, 3, ...) of a point's first run: the same with another seed."""
-    case.require_used(SEED)
     seed = seed_of(case, first.settings) + number - 1
     return Member(
         first.point,
