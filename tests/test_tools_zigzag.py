@@ -25,5 +25,8 @@ def test_a_point_changes_what_it_says(tmp_path: Path, point: Point) -> None:
         keys = tuple(entry.split("/"))
         found, before = (FoamFile(where / file)[keys] for where in (case, ROOT / "cases/zigzag"))
         assert found != before, name
+    if point.ranks > 1:
+        decomposition = FoamFile(case / "system/decomposeParDict")
+        assert decomposition["numberOfSubdomains"] == point.ranks
     assert (case / "0/omega.air").exists() == (point.name == "kOmegaSST")
     assert (case / "0/epsilon.air").exists() != (point.name == "kOmegaSST")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from math import ceil, log2
+from pathlib import Path
 
 import pytest
 
+from elutria.errors import InputError
 from elutria.estimates.ranks import Shared
-from elutria_validation.benchmarks.ranks import measured
+from elutria_validation.benchmarks.ranks import Options, measured, run
+from elutria_validation.harness.job import Job
 
 KNOWN = Shared(message=3e-6, reductions=250, uneven=1.7, start=0.2)
 
@@ -31,6 +34,19 @@ def test_constants_that_made_the_rows_are_found() -> None:
     found = measured(rows)
     assert found is not None
     assert asdict(found) == pytest.approx(asdict(KNOWN))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (Options(ranks="2,4"), "ranks=2,4; allowed: 1 and more"),
+        (Options(ranks="1,x"), "ranks=1,x; allowed"),
+        (Options(scene="bet"), "scene=bet, did you mean 'bed'"),
+    ],
+)
+def test_what_cannot_be_run_is_refused(tmp_path: Path, options: Options, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        run(Job(tmp_path), options)
 
 
 def test_one_processor_tells_nothing() -> None:

@@ -24,10 +24,12 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.figure import Figure
 
-from elutria.errors import ElutriaError
+from elutria.case.case import Case
+from elutria.errors import ElutriaError, InputError, one_line, suggestion
 from elutria.estimates import ranks as model
 from elutria.files import read_json
 from elutria.output.style import COLUMN_WIDTH, STYLE
+from elutria_validation.book.figures import label
 from elutria_validation.harness.cases import (
     CONTACTS,
     CONTROL,
@@ -41,7 +43,7 @@ from elutria_validation.harness.cases import (
 from elutria_validation.harness.goldschmidt import make_bed
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.particles import HEADER
-from elutria_validation.harness.programs import processor_time, project_root, run_program
+from elutria_validation.harness.programs import processor_time, project_root, run_program, slug
 from elutria_validation.harness.provenance import write_result
 
 NAME = "ranks"
@@ -72,12 +74,11 @@ class Options:
 
 def run(job: Job, options: Options) -> None:
     """Run every scene on each number of processors; writes ranks.csv, .png and .json."""
+    scenes, numbers = _chosen(options), _numbers(options.ranks)
     os.environ[model.INSIST] = model.EXACT
-    scenes = {options.scene: SCENES[options.scene]} if options.scene else SCENES
-    numbers = [n for n in map(int, options.ranks.split(",")) if n <= model.cores()]
     rows: list[Row] = []
     for scene, prepare in scenes.items():
-        case = prepare(job.folder / "runs" / scene.replace(", ", "-").replace(" ", "-"), options)
+        case = prepare(job.folder / "runs" / slug(scene), options)
         rows += _ladder(job, scene, case, numbers)
     constants = measured(rows)
     foreseen = _model(rows, constants)
@@ -93,12 +94,30 @@ def run(job: Job, options: Options) -> None:
     shutil.rmtree(job.folder / "runs")
 
 
+def _chosen(options: Options) -> dict[str, Prepare]:
+    """All scenes, or the one that is asked for."""
+    if options.scene is None:
+        return SCENES
+    if options.scene not in SCENES:
+        raise InputError(
+            f"--option scene={one_line(options.scene, 40)}{suggestion(options.scene, SCENES)}; "
+            f"allowed: {'; '.join(SCENES)}"
+        )
+    return {options.scene: SCENES[options.scene]}
+
+
+def _numbers(text: str) -> list[int]:
+    """Numbers of processors, 1 first: all are compared with it; as many as there are cores."""
+    words = text.split(",")
+    if words[0] != "1" or not all(word.isdecimal() and int(word) > 0 for word in words):
+        raise InputError(f"--option ranks={one_line(text, 40)}; allowed: 1 and more, as 1,2,4")
+    return [n for n in map(int, words) if n <= model.cores()]
+
+
 def _column(folder: Path, options: Options, settings: dict[str, Any]) -> Path:
     """The delivered column at its default gas velocity, meshed."""
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(
-        project_root() / "cases/column", folder, ignore=shutil.ignore_patterns("polyMesh", "[1-9]*")
-    )
+    Case(project_root() / "cases/column").copy_to(folder, [])
     shutil.copytree(folder / "0.orig", folder / "0", dirs_exist_ok=True)
     change(folder, {f"{PARAMETERS}:particles": options.parcels, **settings})
     run_program(["blockMesh"], folder)
@@ -142,7 +161,8 @@ def _bed(folder: Path, _: Options) -> Path:
 
 EXACT = "column, frozen gas"
 """The scene whose rows must be the same bytes for any number of processors."""
-SCENES: dict[str, Callable[[Path, Options], Path]] = {
+Prepare = Callable[[Path, Options], Path]
+SCENES: dict[str, Prepare] = {
     EXACT: _frozen,
     "column, two-way": _coupled,
     "column, fine gas": _gas,
@@ -317,7 +337,5 @@ def figure(rows: list[Row]) -> Figure:
             )
     most = max(row["ranks"] for row in rows)
     axes.plot([1, most], [1, most], color="0.7", linewidth=0.6)
-    axes.set_xlabel("processors")
-    axes.set_ylabel("times one processor")
-    axes.legend()
+    label(axes, "processors", "times one processor")
     return drawing

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from elutria.errors import ElutriaError
 from elutria.output.style import COLUMN_WIDTH, STYLE
+from elutria_validation.book.figures import label
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.programs import built, run_program
 from elutria_validation.harness.provenance import write_result
@@ -106,7 +107,5 @@ def figure(rows: list[Row]) -> Figure:
         )
     most = max(row["threads"] for row in rows)
     axes.plot([1, most], [1, most], color="0.7", linewidth=0.6)
-    axes.set_xlabel("threads")
-    axes.set_ylabel("times one thread")
-    axes.legend()
+    label(axes, "threads", "times one thread")
     return drawing

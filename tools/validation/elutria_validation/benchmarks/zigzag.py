@@ -23,13 +23,14 @@ from typing import Any, Literal
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from elutria.case.case import Case, Setting
 from elutria.classification.events import Events, join, read_run
 from elutria.errors import ElutriaError
 from elutria.files import read_json, write_text
 from elutria.output.style import COLUMN_WIDTH, STYLE
-from elutria.running.run import make_mesh
+from elutria.running.run import make_mesh, write_decomposition
 from elutria_validation.benchmarks.accuracy_error import cut_of_events
 from elutria_validation.benchmarks.accuracy_runs import BY_POINTS, GAS_ON, Changes, step
 from elutria_validation.harness.cases import CONTROL, PARAMETERS, change
@@ -177,6 +178,8 @@ def make_case(case: Path, point: Point, seed: int, parcels: int) -> None:
         write_omega(case / "0.orig")
     shutil.rmtree(case / "0", ignore_errors=True)
     shutil.copytree(case / "0.orig", case / "0")
+    if point.ranks > 1:
+        write_decomposition(Case(case), point.ranks)
 
 
 def write_omega(folder: Path) -> None:
@@ -207,9 +210,6 @@ one() # NAME RANKS, in its folder
 {
     blockMesh -dict constant/polyMesh/blockMeshDict > log.blockMesh 2>&1 || return
     if [ "$2" = 1 ]; then timeout $((end - SECONDS)) elutriaFoam; else
-        printf '%s\\n' 'FoamFile { version 2.0; format ascii; class dictionary; object d; }' \\
-            "numberOfSubdomains $2; method simple;" \\
-            "simpleCoeffs { n (1 1 $2); delta 0.001; }" > system/decomposeParDict
         decomposePar -force > log.decomposePar 2>&1 &&
             timeout $((end - SECONDS)) mpirun -np "$2" elutriaFoam -parallel
     fi > log.elutriaFoam 2>&1
@@ -298,6 +298,9 @@ def figure(rows: Sequence[Row]) -> Figure:
                        markersize=3)  # fmt: skip
     for axes, name in ((left, "$d_{50}$  (µm)"), (right, "sharpness $d_{25}/d_{75}$")):
         axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel("processor time  (s)")
         axes.set_ylabel(name)
     drawing.legend(loc="outside lower center", ncols=3, fontsize=5.5)
