@@ -95,36 +95,23 @@ Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, bool
 
 int runRanks(const Options& o)
 {
-    const std::vector<unsigned> numbers = numbersListed(o.text("ranks", ""));
-    const double work = o.number("work", 6e7);
     const bool spin = o.number("spin", 1) != 0;
-    Scenes scenes;
     std::printf("scene,particles,ranks,steps,wall_us_per_particle_step,speed_up,"
                 "processor_us_per_particle_step,processor_ratio,exchange_share,ghosts_per_rank,"
                 "sent_bytes_per_step,list_builds,energy_J,state\n");
-    for (const std::string& size : listed(o.text("particles", "100000,1000000")))
+    Timing first;
+    forRuns(o, "ranks", [&](const TiledRun& run)
     {
-        const auto particles = std::size_t(std::stod(size));
-        const BoxScene scene = sceneOf(particles);
-        for (const std::string& name : listed(o.text("scene", "settled,falling")))
-        {
-            const Particles p = scenes.make(name, particles);
-            const std::size_t steps = stepsFor(name, work, p.size());
-            Timing first;
-            for (const unsigned ranks : numbers)
-            {
-                const Timing t = measure(scene, p, ranks, spin, steps/5, steps);
-                if (ranks == numbers.front()) first = t;
-                const double each = 1e6/(double(steps)*double(p.size()));
-                std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.3f,%.0f,%.4g,%zu,%.10g,%016llx\n",
-                            name.c_str(), p.size(), ranks, steps, each*t.wall, first.wall/t.wall,
-                            each*t.processor, t.processor/first.processor, t.exchange/t.wall,
-                            double(t.report.ghosts)/ranks, double(t.bytes)/double(steps),
-                            t.report.listBuilds, t.energy,
-                            static_cast<unsigned long long>(t.state));
-                std::fflush(stdout);
-            }
-        }
-    }
+        const Timing t =
+            measure(run.box, run.particles, run.number, spin, run.steps/5, run.steps);
+        if (run.first) first = t;
+        std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.3f,%.0f,%.4g,%zu,%.10g,%016llx\n",
+                    run.name.c_str(), run.particles.size(), run.number, run.steps,
+                    run.each(t.wall), first.wall/t.wall, run.each(t.processor),
+                    t.processor/first.processor, t.exchange/t.wall,
+                    double(t.report.ghosts)/run.number, double(t.bytes)/double(run.steps),
+                    t.report.listBuilds, t.energy, static_cast<unsigned long long>(t.state));
+        std::fflush(stdout);
+    });
     return 0;
 }

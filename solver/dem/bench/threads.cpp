@@ -39,38 +39,24 @@ Timing measure(const BoxScene& scene, Particles p, unsigned threads, std::size_t
 
 int runThreads(const Options& o)
 {
-    const std::vector<unsigned> numbers = numbersListed(o.text("threads", ""));
-    const double work = o.number("work", 6e7);
-    Scenes scenes;
     std::printf("scene,particles,threads,steps,wall_us_per_particle_step,speed_up,"
                 "processor_us_per_particle_step,processor_ratio,coordination,list_builds,"
                 "engine_bytes_per_particle,state\n");
     bool same = true;
-    for (const std::string& size : listed(o.text("particles", "100000,1000000")))
+    Timing first;
+    forRuns(o, "threads", [&](const TiledRun& run)
     {
-        const auto particles = std::size_t(std::stod(size));
-        const BoxScene scene = sceneOf(particles);
-        for (const std::string& name : listed(o.text("scene", "settled,falling")))
-        {
-            const Particles p = scenes.make(name, particles);
-            const std::size_t steps = stepsFor(name, work, p.size());
-            Timing first;
-            for (const unsigned threads : numbers)
-            {
-                const Timing t = measure(scene, p, threads, steps/5, steps);
-                if (threads == numbers.front()) first = t;
-                same = same && t.state == first.state;
-                const double each = 1e6/(double(steps)*double(p.size()));
-                std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.4g,%zu,%.4g,%016llx\n",
-                            name.c_str(), p.size(), threads, steps, each*t.wall,
-                            first.wall/t.wall, each*t.processor, t.processor/first.processor,
-                            2.0*double(t.report.touching)/double(p.size()), t.report.listBuilds,
-                            double(t.report.bytes)/double(p.size()),
-                            static_cast<unsigned long long>(t.state));
-                std::fflush(stdout);
-            }
-        }
-    }
+        const auto spheres = double(run.particles.size());
+        const Timing t = measure(run.box, run.particles, run.number, run.steps/5, run.steps);
+        if (run.first) first = t;
+        same = same && t.state == first.state;
+        std::printf("%s,%zu,%u,%zu,%.5g,%.3f,%.5g,%.3f,%.4g,%zu,%.4g,%016llx\n", run.name.c_str(),
+                    run.particles.size(), run.number, run.steps, run.each(t.wall),
+                    first.wall/t.wall, run.each(t.processor), t.processor/first.processor,
+                    2.0*double(t.report.touching)/spheres, t.report.listBuilds,
+                    double(t.report.bytes)/spheres, static_cast<unsigned long long>(t.state));
+        std::fflush(stdout);
+    });
     if (!same) throw std::runtime_error("the state depends on the number of threads");
     return 0;
 }

@@ -27,6 +27,14 @@ std::pair<std::size_t, std::size_t> tiles(std::size_t particles)
     return {count/deep, deep};
 }
 
+BoxScene sceneOf(std::size_t particles)
+{
+    const auto [across, deep] = tiles(particles);
+    BoxScene scene;
+    scene.width = double(across)*tileWidth, scene.depth = double(deep)*tileWidth;
+    return scene;
+}
+
 /// 6250 spheres at rest on the floor.
 Particles settledTile()
 {
@@ -65,7 +73,22 @@ Particles repeated(const Particles& tile, std::size_t particles)
     return p;
 }
 
-} // namespace
+/// Makes settled beds from one that has settled once.
+class Scenes
+{
+public:
+    Particles make(const std::string& name, std::size_t particles)
+    {
+        if (name == "falling") return sceneOf(particles).fill(particles, diameter, 0.1);
+        if (name != "settled")
+            throw std::invalid_argument("scene is '" + name + "'; allowed: settled falling");
+        if (tile_.size() == 0) tile_ = settledTile();
+        return repeated(tile_, particles);
+    }
+
+private:
+    Particles tile_;
+};
 
 std::vector<std::string> listed(const std::string& text)
 {
@@ -85,27 +108,32 @@ std::vector<unsigned> numbersListed(const std::string& text)
     return numbers;
 }
 
-BoxScene sceneOf(std::size_t particles)
-{
-    const auto [across, deep] = tiles(particles);
-    BoxScene scene;
-    scene.width = double(across)*tileWidth, scene.depth = double(deep)*tileWidth;
-    return scene;
-}
-
-Particles Scenes::make(const std::string& name, std::size_t particles)
-{
-    if (name == "falling") return sceneOf(particles).fill(particles, diameter, 0.1);
-    if (name != "settled")
-        throw std::invalid_argument("scene is '" + name + "'; allowed: settled falling");
-    if (tile_.size() == 0) tile_ = settledTile();
-    return repeated(tile_, particles);
-}
-
 std::size_t stepsFor(const std::string& scene, double work, std::size_t particles)
 {
     return std::max<std::size_t>(
         10, std::size_t((scene == "settled" ? 1 : 10)*work/double(particles)));
+}
+
+} // namespace
+
+void forRuns(const Options& o, const std::string& numbers,
+             const std::function<void(const TiledRun&)>& measure)
+{
+    const double work = o.number("work", 6e7);
+    const std::vector<unsigned> all = numbersListed(o.text(numbers, ""));
+    Scenes scenes;
+    for (const std::string& size : listed(o.text("particles", "100000,1000000")))
+    {
+        const auto particles = std::size_t(std::stod(size));
+        const BoxScene box = sceneOf(particles);
+        for (const std::string& name : listed(o.text("scene", "settled,falling")))
+        {
+            const Particles p = scenes.make(name, particles);
+            const std::size_t steps = stepsFor(name, work, p.size());
+            for (const unsigned number : all)
+                measure({box, name, p, steps, number, number == all.front()});
+        }
+    }
 }
 
 std::uint64_t checksum(const Particles& p)

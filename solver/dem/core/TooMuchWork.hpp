@@ -2,6 +2,8 @@
 
 #include "core/text.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -26,6 +28,12 @@ struct TooMuchWork : std::runtime_error
             " youngsModulus or normalStiffness")
     {}
 };
+
+/// How many equal steps of at most `longest` make a duration.
+inline double stepsOf(double duration, double longest)
+{
+    return std::max(1.0, std::ceil(duration/longest*(1 - 1e-12)));
+}
 
 inline void refuseTooMuchWork(double duration, double steps, std::size_t particles)
 {

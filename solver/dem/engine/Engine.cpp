@@ -186,9 +186,8 @@ void Engine::contactForces(const Particles& particles, double step, VectorArray&
 void Engine::Implementation::runSoft(Particles& particles, double duration, StepReport& report)
 {
     const Census all = takeCensus(exchange, particles, 0);
-    const double limit = settings.step > 0
-        ? settings.step : stepLimit(exchange.alone() ? particles : all.extremes, 0);
-    const double steps = std::max(1.0, std::ceil(duration/limit*(1 - 1e-12)));
+    const double limit = settings.step > 0 ? settings.step : stepLimit(all.decisive(particles), 0);
+    const double steps = stepsOf(duration, limit);
     refuseTooMuchWork(duration, steps, all.particles);
     soft.run(particles, duration, std::size_t(steps), report);
 }

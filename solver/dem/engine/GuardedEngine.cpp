@@ -95,9 +95,8 @@ StepReport GuardedEngine::advance(Particles& particles, double duration, int ret
     std::vector<Warning> warnings;
     if (settings.step > 0)
     {
-        const double limit = exchange.alone()
-            ? engine_->stepLimit(particles)
-            : engine_->stepLimit(takeCensus(exchange, particles, 0).extremes);
+        const double limit =
+            engine_->stepLimit(takeCensus(exchange, particles, 0).decisive(particles));
         const double most = limit/settings.stepFraction*largestFraction_;
         if (settings.step > most)
         {

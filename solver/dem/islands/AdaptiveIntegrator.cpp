@@ -66,7 +66,7 @@ void AdaptiveIntegrator::advance(Particles& particles, double duration, StepRepo
     all_ = takeCensus(exchange_, particles, contactEnds_);
     if (all_.particles == 0) return;
     const bool forced = settings_.treatment == ContactTreatment::impact;
-    const double softStep = stepLimit_(exchange_.alone() ? particles : all_.extremes, 0);
+    const double softStep = stepLimit_(all_.decisive(particles), 0);
     // from the state alone, so that a restart decides alike
     if (!forced && (duration <= fewSubSteps*softStep || 2*all_.contactEnds > all_.particles))
         return runSoft(particles, duration, false, report);
@@ -142,9 +142,7 @@ void AdaptiveIntegrator::runSoft(Particles& particles, double duration, bool con
     if (continued) all_ = takeCensus(exchange_, particles, contactEnds_);
     continued = continued && !particles.dragRate.empty();
     const VectorArray before = continued ? particles.dragImpulse : VectorArray{};
-    const double steps =
-        std::max(1.0, std::ceil(duration/stepLimit_(exchange_.alone() ? particles : all_.extremes, 0)
-                                *(1 - 1e-12)));
+    const double steps = stepsOf(duration, stepLimit_(all_.decisive(particles), 0));
     refuseTooMuchWork(duration, steps, all_.particles);
     soft_.run(particles, duration, std::size_t(steps), report);
     for (std::size_t i = 0; i < before.size(); ++i)

@@ -14,6 +14,10 @@ struct Census
     bool weighted = false;               // has any a statistical weight other than one?
     Vector3 velocity;                    // m/s, mean
     Particles extremes;                  // spheres with the smallest sizes and largest speeds of all
+
+    /// What decides on the length of contact steps: the extremes; a rank that is alone has its own
+    /// particles instead.
+    const Particles& decisive(const Particles& own) const { return extremes.size() > 0 ? extremes : own; }
 };
 
 /// All ranks call it; a rank that is alone counts its particles only.

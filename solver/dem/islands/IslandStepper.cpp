@@ -1,6 +1,7 @@
 #include "islands/IslandStepper.hpp"
 
 #include "core/Stopwatch.hpp"
+#include "core/TooMuchWork.hpp"
 #include "core/forEach.hpp"
 
 #include <algorithm>
@@ -201,7 +202,7 @@ double IslandStepper::softChunk(IslandResult& result, double begin, double end, 
 {
     gather(result.end);
     const double remaining = end - begin, limit = longestStep(result);
-    const double needed = std::max(1.0, std::ceil(remaining/limit*(1 - 1e-12)));
+    const double needed = stepsOf(remaining, limit);
     const double wanted = result.end.size() <= smallIsland || walls_.take()
         ? chunkSteps : std::max(chunkSteps, std::ceil(needed/chunksOfLarge));
     const double steps = std::min(needed, wanted);

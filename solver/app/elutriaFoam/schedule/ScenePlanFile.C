@@ -212,8 +212,7 @@ std::string ScenePlan::feedAsJson(const Feed& feed, const CaseDrag& drag) const
     // Not more than the duration has, which the rate must be known for
     const bool asked = feed.parcels() < labelMax;
     const label fed =
-        feed.massFlow() > 0
-      ? min(feed.parcels(), feed.fedUntil(GREAT)) : feed.parcels();
+        feed.massFlow() > 0 ? feed.fedUntil(GREAT) : feed.parcels();
     const auto rated = [&](const scalar value)
     {
         return feed.massFlow() > 0 ? json::number(value) : "null";

@@ -138,7 +138,7 @@ void ScenePlan::announceEnd
 ) const
 {
     const scalar end = runTime.endTime().value();
-    const label all = min(feed.parcels(), feed.fedUntil(GREAT));
+    const label all = feed.fedUntil(GREAT);
     const label fed = feed.fedUntil(end);
     if (fed >= all)
     {
