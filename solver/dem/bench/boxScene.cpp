@@ -3,6 +3,7 @@
 #include "laws/LawList.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <stdexcept>
 
@@ -78,6 +79,25 @@ Particles BoxScene::fill(std::size_t count, double diameter, double speed) const
     }
     p.acceleration.assign(count, {0, 0, -gravity});
     return p;
+}
+
+Particles BoxScene::ofRank(const Particles& all, const Exchange& exchange) const
+{
+    const auto ranks = unsigned(exchange.ranks());
+    auto deep = unsigned(std::sqrt(double(ranks)));
+    while (ranks % deep != 0) --deep;
+    const unsigned across = ranks/deep;
+    const auto along = [](double x, double length, unsigned count)
+    {
+        return std::min(count - 1, unsigned(std::max(0.0, x/length*count)));
+    };
+    Particles own = all;
+    keepOnly(own, [&](std::size_t i)
+    {
+        const Vector3 x = all.position[i];
+        return along(x.y, depth, deep)*across + along(x.x, width, across) == unsigned(exchange.rank());
+    });
+    return own;
 }
 
 ContactMaterials grain(double young, double poisson, double restitution, double friction)

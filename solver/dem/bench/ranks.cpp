@@ -8,11 +8,10 @@
 // energy.
 
 #include "bench.hpp"
-#include "tests/support/ThreadExchange.hpp"
+#include "parallel/ThreadRanks.hpp"
 #include "tiledScene.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -30,26 +29,6 @@ struct Timing
     StepReport report;
 };
 
-/// Blocks along x and y, as square as they get.
-unsigned blockOf(const BoxScene& scene, const Vector3& x, unsigned ranks)
-{
-    auto deep = unsigned(std::sqrt(double(ranks)));
-    while (ranks % deep != 0) --deep;
-    const unsigned across = ranks/deep;
-    const auto along = [](double x, double length, unsigned count)
-    {
-        return std::min(count - 1, unsigned(std::max(0.0, x/length*count)));
-    };
-    return along(x.y, scene.depth, deep)*across + along(x.x, scene.width, across);
-}
-
-Particles ofRank(const BoxScene& scene, const Particles& all, unsigned ranks, unsigned rank)
-{
-    Particles own = all;
-    keepOnly(own, [&](std::size_t i) { return blockOf(scene, all.position[i], ranks) == rank; });
-    return own;
-}
-
 Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, bool spin,
                std::size_t warmup, std::size_t steps)
 {
@@ -59,7 +38,7 @@ Timing measure(const BoxScene& scene, const Particles& all, unsigned ranks, bool
     {
         const bool first = exchange.rank() == 0;
         Particles& own = parts[exchange.rank()];
-        own = ofRank(scene, all, ranks, unsigned(exchange.rank()));
+        own = scene.ofRank(all, exchange);
         Engine engine(scene.settings(1), grain(1e7, 0.35, 0.9, 0.1), scene.walls(), exchange);
         engine.advance(own, double(warmup)*scene.step);
         exchange.share({});

@@ -86,88 +86,110 @@ double forcingWork(const Particles& p, double fastest, double duration)
 
 StepReport GuardedEngine::advance(Particles& particles, double duration, int retakes)
 {
-    const bool soft = engine_->settings().treatment == ContactTreatment::soft;
-    Exchange& exchange = engine_->exchange();
-    overlapRemoval_.place(particles, engine_->walls(), engine_->settings().box, soft, exchange);
+    const Settings settings = engine_->settings();
+    overlapRemoval_.place(particles, engine_->walls(), settings.box,
+                          settings.treatment == ContactTreatment::soft, engine_->exchange());
     const Particles before = particles;
     const std::vector<ContactRecord> history = engine_->exportContacts();
-    const Settings settings = engine_->settings();
-    std::vector<Warning> warnings;
-    if (settings.step > 0)
-    {
-        const double limit =
-            engine_->stepLimit(takeCensus(exchange, particles, 0).decisive(particles));
-        const double most = limit/settings.stepFraction*largestFraction_;
-        if (settings.step > most)
-        {
-            warnings.push_back({"contactStep", "the contact step asked for is too long",
-                text(settings.step) + " s, allowed: " + text(most) + " s, "
-                + text(largestFraction_) + " of the shortest contact",
-                "set step of cellListCoeffs to at most that, or leave it out",
-                settings.step/most});
-            refine(most/settings.step, history);
-        }
-    }
+    std::vector<Warning> warnings = shortenStep(particles, history);
     double firstEnergy = 0;
     for (int attempt = 0;; ++attempt)
     {
-        std::string trouble;
-        bool broken = false;
-        StepReport report;
-        try
-        {
-            report = engine_->advance(particles, duration);
-            trouble = unsound(before, particles, duration);
-        }
-        catch (const TooMuchWork&)
-        {
-            particles = before;
-            engine_->importContacts(history);
-            throw;
-        }
-        catch (const std::exception& error)
-        {
-            if (!overlapKnown_ && attempt == 0) throw;     // of the first call: what was given
-            trouble = error.what();
-            broken = true;
-        }
-        broken = broken || (!trouble.empty() && sum(isFinite(particles) ? 0 : 1) > 0);
+        Outcome outcome = tryStep(particles, before, history, duration, attempt == 0);
         if (attempt == 0) firstEnergy = kineticEnergy(particles);
-        if (attempt == retakes && attempt > 0 && !trouble.empty() && !broken
+        const bool last = attempt == retakes;
+        if (last && attempt > 0 && !outcome.trouble.empty() && !outcome.broken
             && sum(kineticEnergy(particles)) > 0.5*sum(firstEnergy))
         {
             // Smaller steps give the same: overlaps that the call was given
-            warnings.push_back({"contactEnergy", "contacts are not sound at any sub-step", trouble,
+            warnings.push_back({"contactEnergy", "contacts are not sound at any sub-step",
+                outcome.trouble,
                 "widen the feed's patch or zone: it inserts particles into each other or into a wall",
                 1.0});
             reset(settings);
-            trouble.clear();
+            outcome.trouble.clear();
         }
-        if (trouble.empty())
+        if (outcome.trouble.empty())
         {
-            overlapKnown_ = true;
-            overlap_ = report.largestOverlap;
-            contacts_ = report.touching + report.wallTouching;
-            report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
-            if (attempt > 0 && attempt < retakes)
-                report.warnings.push_back({"contactRetaken",
-                    "a step of the contacts was rejected and repeated with smaller ones",
-                    "sub-steps of 1/" + std::to_string(1 << attempt) + ", which stay",
-                    "set stepFraction of cellListCoeffs to "
-                    + text(engine_->settings().stepFraction) + " or less",
-                    double(1 << attempt)});
+            StepReport report = accepted(std::move(outcome.report), warnings);
+            if (attempt > 0 && !last) report.warnings.push_back(repeated(attempt));
             return report;
         }
         particles = before;
-        if (attempt == retakes)
+        if (last)
         {
             engine_->importContacts(history);
-            throw std::runtime_error(trouble + ", also after " + std::to_string(retakes)
+            throw std::runtime_error(outcome.trouble + ", also after " + std::to_string(retakes)
                 + " retakes with smaller sub-steps; likely causes: particles inserted into each "
                   "other or into a wall, a contact step too large, or a gas that diverges");
         }
         refine(0.5, history);
     }
+}
+
+
+/// Shortens a contact step that was asked for and is too long, and says so.
+std::vector<Warning> GuardedEngine::shortenStep(const Particles& particles,
+                                                const std::vector<ContactRecord>& history)
+{
+    const Settings& settings = engine_->settings();
+    if (!(settings.step > 0)) return {};
+    const double limit =
+        engine_->stepLimit(takeCensus(engine_->exchange(), particles, 0).decisive(particles));
+    const double most = limit/settings.stepFraction*largestFraction_;
+    if (settings.step <= most) return {};
+    Warning warning{"contactStep", "the contact step asked for is too long",
+        text(settings.step) + " s, allowed: " + text(most) + " s, " + text(largestFraction_)
+        + " of the shortest contact",
+        "set step of cellListCoeffs to at most that, or leave it out", settings.step/most};
+    refine(most/settings.step, history);
+    return {std::move(warning)};
+}
+
+
+GuardedEngine::Outcome GuardedEngine::tryStep(Particles& particles, const Particles& before,
+                                              const std::vector<ContactRecord>& history,
+                                              double duration, bool first)
+{
+    Outcome outcome;
+    try
+    {
+        outcome.report = engine_->advance(particles, duration);
+        outcome.trouble = unsound(before, particles, duration);
+    }
+    catch (const TooMuchWork&)
+    {
+        particles = before;
+        engine_->importContacts(history);
+        throw;
+    }
+    catch (const std::exception& error)
+    {
+        if (!overlapKnown_ && first) throw;     // of the first call: what was given
+        return {{}, error.what(), true};
+    }
+    outcome.broken = !outcome.trouble.empty() && sum(isFinite(particles) ? 0 : 1) > 0;
+    return outcome;
+}
+
+
+Warning GuardedEngine::repeated(int attempt) const
+{
+    return {"contactRetaken", "a step of the contacts was rejected and repeated with smaller ones",
+            "sub-steps of 1/" + std::to_string(1 << attempt) + ", which stay",
+            "set stepFraction of cellListCoeffs to " + text(engine_->settings().stepFraction)
+            + " or less", double(1 << attempt)};
+}
+
+
+/// Keeps what the next step's judgement needs; the report gets the warnings in front of its own.
+StepReport GuardedEngine::accepted(StepReport report, const std::vector<Warning>& warnings)
+{
+    overlapKnown_ = true;
+    overlap_ = report.largestOverlap;
+    contacts_ = report.touching + report.wallTouching;
+    report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+    return report;
 }
 
 

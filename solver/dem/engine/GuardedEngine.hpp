@@ -22,16 +22,28 @@ public:
       : engine_(std::move(engine)), largestFraction_(largestFraction)
     {}
 
-    /// As Engine::advance() on all ranks, rejected steps included. Energy that smaller sub-steps do not remove is
-    /// reported and kept: it is that of overlaps. After any other failure and `retakes` repetitions
-    /// throws std::runtime_error that says which particle and why, with particles and contacts as
-    /// they were before.
+    /// As Engine::advance() on all ranks, rejected steps included. Energy that smaller sub-steps do not
+    /// remove is reported and kept: it is that of overlaps. After any other failure and `retakes`
+    /// repetitions throws std::runtime_error that says which particle and why, with particles and
+    /// contacts as they were before.
     StepReport advance(Particles& particles, double duration, int retakes);
 
     Engine& engine() { return *engine_; }
     const Engine& engine() const { return *engine_; }
 
 private:
+    struct Outcome
+    {
+        StepReport report;
+        std::string trouble;        // empty: the step is sound
+        bool broken = false;        // no overlap that was given explains it
+    };
+    std::vector<Warning> shortenStep(const Particles& particles,
+                                     const std::vector<ContactRecord>& history);
+    Outcome tryStep(Particles& particles, const Particles& before,
+                    const std::vector<ContactRecord>& history, double duration, bool first);
+    Warning repeated(int attempt) const;
+    StepReport accepted(StepReport report, const std::vector<Warning>& warnings);
     double energyAllowed(const Particles& before, const Particles& after, double duration) const;
     double held(std::vector<double> radius) const;
     double sum(double ofRank) const;

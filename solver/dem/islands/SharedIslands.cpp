@@ -133,22 +133,39 @@ std::size_t SharedIslands::combine(const std::vector<IdPair>& pairs, const std::
     for (const IdPair& pair : pairs) sets.join(placeOf(pair.first, ids), placeOf(pair.second, ids));
     for (const End& end : ends) sets.join(placeOf(end.particle, ids), placeOf(end.island, ids));
 
-    // Parts by name, each once: islands of one rank, and those that were shared before
-    std::vector<SharedIsland> parts, combined;
+    const std::vector<SharedIsland> parts = takeParts(ids, ends);
+    const std::size_t kept = islands_.size();
+    std::vector<std::uint32_t> wholeOf(ids.size(), nowhere);     // of each set, in islands_
+    std::vector<Pair> ownPairs;
+    for (const SharedIsland& part : parts)
+        unite(part, wholeOf[sets.root(placeOf(part.name, ids))], partition, ownPairs);
+    results_.resize(islands_.size());
+    mergeOwn(ownPairs, partition);
+    return parts.size() - (islands_.size() - kept);
+}
+
+
+/// The islands that have one of the ids, each once, by name: those that were shared, which are taken
+/// from the others, and those that were of one rank.
+std::vector<SharedIslands::SharedIsland> SharedIslands::takeParts(
+    const std::vector<std::uint64_t>& ids, const std::vector<End>& ends)
+{
+    std::vector<SharedIsland> parts, others;
     std::vector<IslandResult> results;
-    std::vector<std::uint64_t> before;
-    for (const SharedIsland& island : islands_) before.push_back(island.name);
-    std::sort(before.begin(), before.end());
+    std::vector<std::uint64_t> shared;
+    for (const SharedIsland& island : islands_) shared.push_back(island.name);
+    std::sort(shared.begin(), shared.end());
     for (std::size_t k = 0; k < islands_.size(); ++k)
         if (std::binary_search(ids.begin(), ids.end(), islands_[k].name)) parts.push_back(islands_[k]);
         else
         {
-            combined.push_back(islands_[k]);
+            others.push_back(islands_[k]);
             results.push_back(std::move(results_[k]));
         }
+    islands_ = std::move(others), results_ = std::move(results);
     for (const End& end : ends)
     {
-        if (std::binary_search(before.begin(), before.end(), end.island)) continue;
+        if (std::binary_search(shared.begin(), shared.end(), end.island)) continue;
         SharedIsland part{end.island, std::vector<std::uint32_t>(exchange_.ranks(), 0),
                           end.touching, true, end.rank,
                           end.rank == exchange_.rank() ? end.ownIsland : nowhere};
@@ -160,38 +177,41 @@ std::size_t SharedIslands::combine(const std::vector<IdPair>& pairs, const std::
     parts.erase(std::unique(parts.begin(), parts.end(),
                             [](const SharedIsland& a, const SharedIsland& b)
                             { return a.name == b.name; }), parts.end());
+    return parts;
+}
 
-    std::vector<std::uint32_t> madeOf(ids.size(), nowhere);     // of each set, in `combined`
-    std::vector<Pair> ownPairs;
-    std::size_t mergedAway = 0, noCount = 0;
-    for (const SharedIsland& part : parts)
+
+/// Adds the part to the island at `whole`, which it makes where there is none. Own islands that become
+/// one are told by a particle of each.
+void SharedIslands::unite(const SharedIsland& part, std::uint32_t& whole,
+                          const IslandPartition& partition, std::vector<Pair>& ownPairs)
+{
+    if (whole == nowhere)
     {
-        std::uint32_t& made = madeOf[sets.root(placeOf(part.name, ids))];
-        if (made == nowhere)
-        {
-            made = std::uint32_t(combined.size());
-            combined.push_back(part);
-            combined.back().due = true;
-            continue;
-        }
-        SharedIsland& whole = combined[made];
-        ++mergedAway;
-        whole.touching = whole.touching || part.touching;
-        for (std::size_t r = 0; r < whole.members.size(); ++r) whole.members[r] += part.members[r];
-        if (part.ownIsland == nowhere) continue;
-        if (whole.ownIsland == nowhere) whole.ownIsland = part.ownIsland;
-        else ownPairs.push_back({partition.islands[whole.ownIsland].particles[0],
-                                 partition.islands[part.ownIsland].particles[0]});
+        whole = std::uint32_t(islands_.size());
+        islands_.push_back(part);
+        islands_.back().due = true;
+        return;
     }
-    std::vector<std::uint32_t> first(combined.size(), nowhere);   // an own particle of each
-    for (std::size_t k = 0; k < combined.size(); ++k)
-        if (combined[k].ownIsland != nowhere)
-            first[k] = partition.islands[combined[k].ownIsland].particles[0];
-    partition.merge(ownPairs, noCount);
+    SharedIsland& island = islands_[whole];
+    island.touching = island.touching || part.touching;
+    for (std::size_t r = 0; r < island.members.size(); ++r) island.members[r] += part.members[r];
+    if (part.ownIsland == nowhere) return;
+    if (island.ownIsland == nowhere) island.ownIsland = part.ownIsland;
+    else ownPairs.push_back({partition.islands[island.ownIsland].particles[0],
+                             partition.islands[part.ownIsland].particles[0]});
+}
 
-    islands_ = std::move(combined);
-    results.resize(islands_.size());
-    results_ = std::move(results);
+
+/// Merges own islands, finds each shared one's again, and says who steps it.
+void SharedIslands::mergeOwn(const std::vector<Pair>& ownPairs, IslandPartition& partition)
+{
+    std::vector<std::uint32_t> first(islands_.size(), nowhere);   // an own particle of each
+    for (std::size_t k = 0; k < islands_.size(); ++k)
+        if (islands_[k].ownIsland != nowhere)
+            first[k] = partition.islands[islands_[k].ownIsland].particles[0];
+    std::size_t noCount = 0;
+    partition.merge(ownPairs, noCount);
     sharedOf_.assign(partition.islands.size(), nowhere);
     for (std::size_t k = 0; k < islands_.size(); ++k)
     {
@@ -202,7 +222,6 @@ std::size_t SharedIslands::combine(const std::vector<IdPair>& pairs, const std::
         island.ownIsland = partition.islandOf[first[k]];
         sharedOf_[island.ownIsland] = std::uint32_t(k);
     }
-    return mergedAway;
 }
 
 
@@ -263,30 +282,11 @@ void SharedIslands::run()
 void SharedIslands::sendHome(std::vector<IslandResult>& results)
 {
     if (!hasDue()) return;
-    const int ranks = exchange_.ranks();
-    std::vector<Outgoing> toEach(ranks);
+    std::vector<Outgoing> toEach(exchange_.ranks());
     for (std::uint32_t k = 0; k < islands_.size(); ++k)
-    {
-        if (!islands_[k].due || islands_[k].stepper != exchange_.rank()) continue;
-        const std::vector<std::uint32_t>& members = members_[k].particles;
-        const auto rankOf = [&](std::uint64_t id)
-        {
-            return rankOf_[placeOf(id, start_)];
-        };
-        for (int r = 0; r < ranks; ++r)
-        {
-            if (islands_[k].members[r] == 0) continue;
-            std::vector<ContactRecord> contacts;
-            for (const ContactRecord& record : results_[k].contacts)
-                if (rankOf(record.first) == r) contacts.push_back(record);
-            std::vector<WallHit> hits;
-            for (const WallHit& hit : results_[k].hits)
-                if (rankOf(hit.id) == r) hits.push_back(hit);
-            toEach[r] << k << contacts << hits;
-            for (std::size_t p = 0; p < members.size(); ++p)
-                if (rankOf_[members[p]] == r) toEach[r] << results_[k].end[p] << results_[k].paths[p];
-        }
-    }
+        if (islands_[k].due && islands_[k].stepper == exchange_.rank())
+            for (std::size_t r = 0; r < toEach.size(); ++r)
+                if (islands_[k].members[r] > 0) pack(k, int(r), toEach[r]);
     for (const Bytes& bytes : exchange_.swap(taken(toEach)))
         for (Incoming in(bytes); !in.atEnd();)
         {
@@ -298,6 +298,24 @@ void SharedIslands::sendHome(std::vector<IslandResult>& results)
             result.end.resize(members), result.paths.resize(members);
             for (std::size_t p = 0; p < members; ++p) in >> result.end[p] >> result.paths[p];
         }
+}
+
+
+/// Of an island that was stepped here: what has happened to the rank's members.
+void SharedIslands::pack(std::uint32_t k, int rank, Outgoing& out) const
+{
+    const auto isIts = [&](std::uint64_t id) { return rankOf_[placeOf(id, start_)] == rank; };
+    const IslandResult& result = results_[k];
+    std::vector<ContactRecord> contacts;
+    for (const ContactRecord& record : result.contacts)
+        if (isIts(record.first)) contacts.push_back(record);
+    std::vector<WallHit> hits;
+    for (const WallHit& hit : result.hits)
+        if (isIts(hit.id)) hits.push_back(hit);
+    out << k << contacts << hits;
+    const std::vector<std::uint32_t>& members = members_[k].particles;
+    for (std::size_t p = 0; p < members.size(); ++p)
+        if (rankOf_[members[p]] == rank) out << result.end[p] << result.paths[p];
 }
 
 } // namespace elutria::dem

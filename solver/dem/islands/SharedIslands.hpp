@@ -2,7 +2,7 @@
 
 #include "islands/IslandPartition.hpp"
 #include "islands/IslandStepper.hpp"
-#include "parallel/Exchange.hpp"
+#include "parallel/Message.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -96,6 +96,12 @@ private:
                              IslandPartition& partition) const;
     std::size_t combine(const std::vector<IdPair>& pairs, const std::vector<End>& ends,
                         IslandPartition& partition);
+    std::vector<SharedIsland> takeParts(const std::vector<std::uint64_t>& ids,
+                                        const std::vector<End>& ends);
+    void unite(const SharedIsland& part, std::uint32_t& whole, const IslandPartition& partition,
+               std::vector<Pair>& ownPairs);
+    void mergeOwn(const std::vector<Pair>& ownPairs, IslandPartition& partition);
+    void pack(std::uint32_t island, int rank, Outgoing& out) const;
     bool hasDue() const;
 
     static constexpr std::uint32_t nowhere = 0xffffffffu;

