@@ -346,10 +346,9 @@ def test_what_the_solver_allows_is_what_the_manual_lists() -> None:
 def test_the_manual_lists_the_warnings_that_there_are() -> None:
     sources = [p for p in (ROOT / "solver").rglob("*") if p.suffix in {".C", ".H", ".cpp"}
                and not p.is_symlink() and "tests" not in p.parts]  # fmt: skip
-    said = {name for file in sources for name in re.findall(
-        r'(?:Warnings::add(?:Local)?|table\.warn)\s*\(\{\s*"(\w+)"|warnings\.push_back\(\{"(\w+)"',
-        file.read_text())}  # fmt: skip
-    names = {name for pair in said for name in pair if name}
+    names = {name for file in sources for name in re.findall(
+        r'(?:(?:Warnings::add(?:Local)?|table\.warn)\s*\(\{\s*|warnings\.push_back\(\{'
+        r'|\bWarning(?: \w+)?\{)"(\w+)"', file.read_text())}  # fmt: skip
     for file in product_modules():
         names |= set(re.findall(r'Warned\(\s*name="(\w+)"', file.read_text()))
     assert len(names) > 15

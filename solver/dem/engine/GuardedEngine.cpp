@@ -175,10 +175,11 @@ GuardedEngine::Outcome GuardedEngine::tryStep(Particles& particles, const Partic
 
 Warning GuardedEngine::repeated(int attempt) const
 {
-    return {"contactRetaken", "a step of the contacts was rejected and repeated with smaller ones",
-            "sub-steps of 1/" + std::to_string(1 << attempt) + ", which stay",
-            "set stepFraction of cellListCoeffs to " + text(engine_->settings().stepFraction)
-            + " or less", double(1 << attempt)};
+    return Warning{"contactRetaken",
+        "a step of the contacts was rejected and repeated with smaller ones",
+        "sub-steps of 1/" + std::to_string(1 << attempt) + ", which stay",
+        "set stepFraction of cellListCoeffs to " + text(engine_->settings().stepFraction)
+        + " or less", double(1 << attempt)};
 }
 
 
