@@ -69,6 +69,9 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
         name, tmp_path / "run", **COARSE[name], particles=100, feedTime=0.2, drainTime=1
     )  # fmt: skip
     accounts_close(case, measured)
+    said = [warned for warned in json.loads((case / "warnings.json").read_text())
+            if warned["name"] == "overlap"]  # fmt: skip
+    assert said == [], "contacts are stiff enough for what hits them"
     finished = read_run(case)
     tables = classify(finished, 5.0, 1.0)
     assert len(tables.summary) == len(finished.accounts)
