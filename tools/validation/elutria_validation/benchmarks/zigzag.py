@@ -9,7 +9,8 @@ Runs lie in the folder's zigzag-runs. `--option only=prepare` makes their cases 
 runs them on any machine that has elutriaFoam, blockMesh and decomposePar: `run.sh CORES SECONDS`
 ends what is not finished by then. Brought back, what is finished is read and not run again;
 `--option only=read` leaves out what is not there. `--option earlier=FILE` takes the rows of a table
-that was made before for the points of which no run is here.
+that was made before for the points of which no run is here; zigzag.json says which, and where they
+were made.
 """
 
 from __future__ import annotations
@@ -123,8 +124,13 @@ def run(job: Job, options: Options) -> None:
             subprocess.run(["bash", "run.sh", name], cwd=runs, check=True)
     earlier = read_csv(options.earlier, COLUMNS, ("point",)) if options.earlier else []
     rows = table(runs, points, options.seeds, earlier)
+    kept = [one["point"] for one in rows if any(one is other for other in earlier)]
+    notes = {}
+    if options.earlier and kept:
+        made = options.earlier.with_suffix(".json")
+        notes["earlier"] = {"points": kept, **(read_json(made) if made.is_file() else {})}
     with mpl.rc_context(STYLE):
-        write_result(job, NAME, COLUMNS, rows, figure(rows))
+        write_result(job, NAME, COLUMNS, rows, figure(rows), notes)
 
 
 def jobs(points: Sequence[Point], seeds: int) -> Iterator[tuple[Point, int]]:
