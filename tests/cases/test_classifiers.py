@@ -81,6 +81,24 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
     assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
 
 
+@pytest.mark.slow
+def test_the_hood_stands_cells_of_two_sizes(tmp_path: Path) -> None:
+    """Half the cells' size at the surface: its gas diverged with limitedLinear for k and epsilon,
+    before anything was fed."""
+    finer = Setting(
+        "system/snappyHexMeshDict",
+        "castellatedMeshControls/refinementSurfaces/hood/level", "(1 1)",
+    )  # fmt: skip
+    case = run(
+        "hood", tmp_path / "run", finer, cellSize=0.014, particles=20, feedTime=0.02,
+        drainTime=0.02,
+    )  # fmt: skip
+    assert "Refined mesh : cells:6394" in (case / "log.Allmesh").read_text()
+    log = (case / "log.elutriaFoam").read_text()
+    assert "bounding" not in log, "k and epsilon stay positive"
+    assert "gasRetaken" not in (case / "warnings.json").read_text()
+
+
 @pytest.mark.parametrize("name", list(COARSE))
 def test_contacts_of_a_case_are_stiff_enough_for_its_gas(tmp_path: Path, name: str) -> None:
     case = Case(project_root() / "cases" / name).copy_to(
