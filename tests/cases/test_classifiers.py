@@ -69,6 +69,9 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
         name, tmp_path / "run", **COARSE[name], particles=100, feedTime=0.2, drainTime=1
     )  # fmt: skip
     accounts_close(case, measured)
+    said = [warned for warned in json.loads((case / "warnings.json").read_text())
+            if warned["name"] == "overlap"]  # fmt: skip
+    assert said == [], "contacts are stiff enough for what hits them"
     finished = read_run(case)
     tables = classify(finished, 5.0, 1.0)
     assert len(tables.summary) == len(finished.accounts)
@@ -76,6 +79,24 @@ def test_a_case_starts_and_is_classified(tmp_path: Path, measured: Note, name: s
     products = (finished.events.products[0], finished.events.partition_to)
     sizes = [np.median(left.diameter[left.outlet == name]) for name in products]
     assert sizes[0] < sizes[-1], "what leaves at the bottom is larger than what leaves at the top"
+
+
+@pytest.mark.slow
+def test_the_hood_stands_cells_of_two_sizes(tmp_path: Path) -> None:
+    """Half the cells' size at the surface: its gas diverged with limitedLinear for k and epsilon,
+    before anything was fed."""
+    finer = Setting(
+        "system/snappyHexMeshDict",
+        "castellatedMeshControls/refinementSurfaces/hood/level", "(1 1)",
+    )  # fmt: skip
+    case = run(
+        "hood", tmp_path / "run", finer, cellSize=0.014, particles=20, feedTime=0.02,
+        drainTime=0.02,
+    )  # fmt: skip
+    assert "Refined mesh : cells:6394" in (case / "log.Allmesh").read_text()
+    log = (case / "log.elutriaFoam").read_text()
+    assert "bounding" not in log, "k and epsilon stay positive"
+    assert "gasRetaken" not in (case / "warnings.json").read_text()
 
 
 @pytest.mark.parametrize("name", list(COARSE))

@@ -42,6 +42,16 @@ class Cut:
     diameter: Array
     share: Array
 
+    def columns(self) -> dict[str, float]:
+        """d50 with its 95 % interval (m), sharpness with its deviation, as tables have them."""
+        return {
+            "d50_m": self.d50,
+            "d50_low_m": self.d50 - LIMITS / 2 * self.d50_sd,
+            "d50_high_m": self.d50 + LIMITS / 2 * self.d50_sd,
+            "sharpness": self.sharpness,
+            "sharpness_sd": self.sharpness_sd,
+        }
+
     def at(self, diameter: Array) -> Array:
         """Share, linear in ln d between the diameters that are known, constant beyond."""
         return np.interp(np.log(diameter), np.log(self.diameter), self.share)

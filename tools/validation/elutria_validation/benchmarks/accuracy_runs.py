@@ -29,6 +29,16 @@ STEP, COURANT, COLLISIONS = 4e-3, 4.0, 0.05
 Changes = Mapping[str, Any]
 
 
+def fed(parcels: int, feed: float, drain: float) -> Changes:
+    """So many parcels within `feed` s, emptied for `drain` s; nothing is written between."""
+    return {
+        f"{PARAMETERS}:particles": parcels,
+        f"{PARAMETERS}:feedTime": feed,
+        f"{PARAMETERS}:drainTime": drain,
+        f"{CONTROL}:writeInterval": 1000,
+    }
+
+
 @dataclass(frozen=True)
 class Scene:
     """The column at a gas velocity (m/s) and a loading (kg solids per kg gas)."""
@@ -42,10 +52,7 @@ class Scene:
         return {
             f"{PARAMETERS}:gasVelocity": self.velocity,
             f"{PARAMETERS}:loading": self.loading,
-            f"{PARAMETERS}:particles": parcels,
-            f"{PARAMETERS}:feedTime": FEED_TIME,
-            f"{PARAMETERS}:drainTime": DRAIN_TIME,
-            f"{CONTROL}:writeInterval": 1000,
+            **fed(parcels, FEED_TIME, DRAIN_TIME),
         }
 
 

@@ -8,7 +8,9 @@ mesh and start included, the seeds' median.
 Runs lie in the folder's zigzag-runs. `--option only=prepare` makes their cases and run.sh, which
 runs them on any machine that has elutriaFoam, blockMesh and decomposePar: `run.sh CORES SECONDS`
 ends what is not finished by then. Brought back, what is finished is read and not run again;
-`--option only=read` leaves out what is not there.
+`--option only=read` leaves out what is not there. `--option earlier=FILE` takes the rows of a table
+that was made before for the points of which no run is here; zigzag.json says which, and where they
+were made.
 """
 
 from __future__ import annotations
@@ -16,24 +18,23 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any, Literal
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from elutria.case.case import Case, Setting
 from elutria.classification.events import Events, join, read_run
 from elutria.errors import ElutriaError
-from elutria.files import read_json, write_text
-from elutria.output.style import COLUMN_WIDTH, STYLE
+from elutria.files import read_csv, read_json, write_text
+from elutria.output.style import COLUMN_WIDTH, STYLE, log_if_wide
 from elutria.running.run import make_mesh, write_decomposition
 from elutria_validation.benchmarks.accuracy_error import cut_of_events
-from elutria_validation.benchmarks.accuracy_runs import BY_POINTS, GAS_ON, Changes, step
-from elutria_validation.harness.cases import CONTROL, PARAMETERS, change
+from elutria_validation.benchmarks.accuracy_runs import BY_POINTS, GAS_ON, Changes, fed, step
+from elutria_validation.harness.cases import PARAMETERS, change
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.programs import project_root, slug
 from elutria_validation.harness.provenance import write_result
@@ -97,13 +98,19 @@ class Options:
 
     parcels: int = option(10000, quick=200, least=10)
     seeds: int = option(2, quick=1, least=1)
+    ranks: int = option(8, least=1)
     only: Literal["all", "prepare", "read"] = option("all")
+    earlier: Path | None = None
 
 
 def run(job: Job, options: Options) -> None:
     """Make the cases, run what is not finished; writes zigzag.csv, .png and .json."""
     runs = job.folder / "zigzag-runs"
-    points = [one for one in POINTS if not job.quick or one.name in QUICK]
+    points = [
+        replace(one, ranks=min(one.ranks, options.ranks))
+        for one in POINTS
+        if not job.quick or one.name in QUICK
+    ]
     todo = list(jobs(points, options.seeds))
     if options.only != "read":
         prepare(runs, todo, options.parcels)
@@ -115,9 +122,15 @@ def run(job: Job, options: Options) -> None:
         if not (runs / f"{name}.json").is_file():
             job.say(name)
             subprocess.run(["bash", "run.sh", name], cwd=runs, check=True)
-    rows = table(runs, points, options.seeds)
+    earlier = read_csv(options.earlier, COLUMNS, ("point",)) if options.earlier else []
+    rows = table(runs, points, options.seeds, earlier)
+    kept = [one["point"] for one in rows if any(one is other for other in earlier)]
+    notes = {}
+    if options.earlier and kept:
+        made = options.earlier.with_suffix(".json")
+        notes["earlier"] = {"points": kept, **(read_json(made) if made.is_file() else {})}
     with mpl.rc_context(STYLE):
-        write_result(job, NAME, COLUMNS, rows, figure(rows))
+        write_result(job, NAME, COLUMNS, rows, figure(rows), notes)
 
 
 def jobs(points: Sequence[Point], seeds: int) -> Iterator[tuple[Point, int]]:
@@ -166,11 +179,8 @@ def make_case(case: Path, point: Point, seed: int, parcels: int) -> None:
     Case(project_root() / "cases/zigzag").copy_to(case, [])
     changes = {
         f"{PARAMETERS}:cellSize": point.cell,
-        f"{PARAMETERS}:particles": parcels,
-        f"{PARAMETERS}:feedTime": FEED_TIME,
-        f"{PARAMETERS}:drainTime": DRAIN_TIME,
         f"{PARAMETERS}:seed": seed,
-        f"{CONTROL}:writeInterval": 1000,
+        **fed(parcels, FEED_TIME, DRAIN_TIME),
         **point.changes,
     }
     change(case, changes)
@@ -245,10 +255,13 @@ go() # NAME RANKS, once as many cores are free
 """
 
 
-def table(runs: Path, points: Sequence[Point], seeds: int) -> list[Row]:
-    """A row per point of which a run is finished, errors from that of the finest mesh which has
-    the delivered models."""
+def table(
+    runs: Path, points: Sequence[Point], seeds: int, earlier: Sequence[Row] = ()
+) -> list[Row]:
+    """A row per point of which a run is finished, or that `earlier` has; errors from that of the
+    finest mesh which has the delivered models."""
     rows = []
+    known = {one["point"]: one for one in earlier}
     for point in points:
         names = [run_name(point, seed) for _, seed in jobs([point], seeds)]
         done = [name for name in names if (runs / f"{name}.json").is_file()]
@@ -256,6 +269,8 @@ def table(runs: Path, points: Sequence[Point], seeds: int) -> list[Row]:
             taken = median(float(read_json(runs / f"{name}.json")["seconds"]) for name in done)
             together = join([read_run(runs / name) for name in done])
             rows.append(row(point, len(done), taken, together.events))
+        elif point.name in known:
+            rows.append(known[point.name])
     if not rows:
         raise ElutriaError(f"{runs}: has no finished run; {runs}/run.sh runs them")
     plain = {point.name for point in points if not point.changes}
@@ -268,7 +283,6 @@ def table(runs: Path, points: Sequence[Point], seeds: int) -> list[Row]:
 
 def row(point: Point, seeds: int, seconds: float, events: Events) -> Row:
     """The cut of a point's parcels, of all seeds together."""
-    cut = cut_of_events(events)
     return {
         "point": point.name,
         "cell_size_m": point.cell,
@@ -276,11 +290,7 @@ def row(point: Point, seeds: int, seconds: float, events: Events) -> Row:
         "seeds": seeds,
         "parcels": len(events),
         "inside": int(events.is_inside.sum()),
-        "d50_m": cut.d50,
-        "d50_low_m": cut.d50 - 1.96 * cut.d50_sd,
-        "d50_high_m": cut.d50 + 1.96 * cut.d50_sd,
-        "sharpness": cut.sharpness,
-        "sharpness_sd": cut.sharpness_sd,
+        **cut_of_events(events).columns(),
         "seconds": seconds,
     }
 
@@ -289,6 +299,7 @@ def figure(rows: Sequence[Row]) -> Figure:
     """d50 and sharpness against seconds, with 95 % intervals of chance."""
     drawing = Figure(figsize=(2 * COLUMN_WIDTH, COLUMN_WIDTH))
     left, right = drawing.subplots(1, 2)
+    seconds = [one["seconds"] for one in rows]
     for one in rows:
         x = [one["seconds"]]
         far = 1e6 * (one["d50_high_m"] - one["d50_m"])
@@ -297,10 +308,7 @@ def figure(rows: Sequence[Row]) -> Figure:
         right.errorbar(x, [one["sharpness"]], yerr=[1.96 * one["sharpness_sd"]], marker="o",
                        markersize=3)  # fmt: skip
     for axes, name in ((left, "$d_{50}$  (µm)"), (right, "sharpness $d_{25}/d_{75}$")):
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axes.xaxis.set_major_formatter(ScalarFormatter())
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        log_if_wide(axes, min(seconds), max(seconds), "x")
         axes.set_xlabel("processor time  (s)")
         axes.set_ylabel(name)
     drawing.legend(loc="outside lower center", ncols=3, fontsize=5.5)
