@@ -473,6 +473,11 @@ void ParcelTracking::track
         for (StockParcel& p : moving)
         {
             ++k;
+            if (first && k + 1 < step.cells.size())
+            {
+                soonRead(*step.parcels[k + 1]);
+                cells_.expect(step.cells[k + 1]);
+            }
             Flight flight(first ? this->flight(p, step, k, dt) : flights[k]);
             if (first && passCells(p, flight, dt))
             {
