@@ -10,6 +10,7 @@
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
+#include "foam/soonRead.H"
 #include "foam/stateFile.H"
 #include "impacts/Flight.hpp"
 #include "IOField.H"
@@ -99,16 +100,14 @@ void GasSampling::disperse
 {
     if (inertialDispersion_)
     {
-        const scalar mass = p.mass(), Re = p.Re(td), mu = td.muc();
-        const forceSuSp mean =
-            cloud_.forces().calcCoupled(p, td, dt, mass, Re, mu);
-        const forceSuSp rest =
-            cloud_.forces().calcNonCoupled(p, td, dt, mass, Re, mu);
+        const scalar mass = p.mass(), Re = p.Re(td);
+        const forceSuSp mean = forces_.coupled(p, td, dt, mass, Re);
+        const forceSuSp rest = forces_.nonCoupled(p, td, dt, mass, Re);
         const scalar dragRate = max(mean.Sp(), VSMALL);
 
         inertialDispersion_->relaxationTime = effectiveMass/dragRate;
         inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
-        inertialDispersion_->offset = place - mesh().C()[p.cell()];
+        inertialDispersion_->offset = place - gas_[p.cell()].centre;
     }
     p.calcDispersion(cloud_, td, dt);
 }
@@ -128,7 +127,6 @@ void GasSampling::sample
         rest(p, step, i);
         return;
     }
-    const auto& forces = cloud_.forces();
     const scalar mass = p.mass();
 
     step.share[i] = 1 - p.stepFraction();
@@ -140,7 +138,7 @@ void GasSampling::sample
         step.starts[i] = p.position();
     }
     readGas(p, td);
-    const scalar effectiveMass = forces.massEff(p, td, mass);
+    const scalar effectiveMass = forces_.effectiveMass(p, td, mass);
     step.effectiveMass[i] = effectiveMass;
 
     seedRandom(p);
@@ -150,10 +148,9 @@ void GasSampling::sample
     }
     seeUndisturbedGas(p, td, dt);
 
-    const forceSuSp free =
-        forces.calcNonCoupled(p, td, dt, mass, p.Re(td), td.muc());
-    const forceSuSp drag =
-        forces.calcCoupled(p, td, dt, mass, p.Re(td), td.muc());
+    const scalar Re = p.Re(td);
+    const forceSuSp free = forces_.nonCoupled(p, td, dt, mass, Re);
+    const forceSuSp drag = forces_.coupled(p, td, dt, mass, Re);
     const vector acceleration((free.Su() + drag.Su())/effectiveMass);
     scalar rate = drag.Sp()/effectiveMass;
 
@@ -165,8 +162,7 @@ void GasSampling::sample
         toEngine(td.Uc()), rate
     );
     p.U() = toFoam(now.at(dt).velocity);
-    const forceSuSp later =
-        forces.calcCoupled(p, td, dt, mass, p.Re(td), td.muc());
+    const forceSuSp later = forces_.coupled(p, td, dt, mass, p.Re(td));
     p.U() = startVelocity;
     rate = 0.5*(rate + later.Sp()/effectiveMass);
 
@@ -184,6 +180,16 @@ void GasSampling::sample
     all.spin.set(i, toEngine(p.omega()));
     all.gasVelocity.set(i, toEngine(td.Uc()));
     all.acceleration.set(i, toEngine(acceleration));
+}
+
+
+void GasSampling::expectCell(const StockParcel& p) const
+{
+    soonRead(gas_[p.cell()]);
+    if (dispersing_ && inertialDispersion_)
+    {
+        soonRead(inertialDispersion_->turbulence(p.cell()));
+    }
 }
 
 
@@ -216,16 +222,6 @@ void GasSampling::rest(StockParcel& p, StepParcels& step, const size_t i)
 }
 
 
-scalar GasSampling::depositKept(const scalar kernel, const scalar cellSize)
-{
-    if (kernel != kept_.kernel || cellSize != kept_.cellSize)
-    {
-        kept_ = {kernel, cellSize, laws::depositKept(kernel, cellSize)};
-    }
-    return kept_.part;
-}
-
-
 void GasSampling::seeUndisturbedGas
 (
     const StockParcel& p,
@@ -238,27 +234,25 @@ void GasSampling::seeUndisturbedGas
         return;
     }
 
-    const scalar cellVolume = mesh().V()[p.cell()];
-    const scalar cellSize = cellSize_[p.cell()];
-    const scalar kernel = kernel_.active() ? kernel_.width() : 0;
+    const CellGas::Cell& cell = gas_[p.cell()];
+    const scalar kernel = gas_.kernelWidth();
     const vector seen(td.Uc() - p.U());
     const scalar passing = (p.U() & seen)/max(mag(seen), VSMALL);
-    if (laws::outOfDisturbance(passing*disturbanceAge_, kernel, cellSize))
+    if (laws::outOfDisturbance(passing*disturbanceAge_, kernel, cell.size))
     {
         return;
     }
 
     const scalar volume = p.nParticle()*p.volume();
-    const scalar viscosity =
-        td.muc() + (eddyViscosity_ ? td.rhoc()*(*eddyViscosity_)[p.cell()] : 0);
+    const scalar viscosity = td.muc() + td.rhoc()*cell.eddyViscosity;
     const laws::DepositSurroundings gas
     {
         kernel,
-        cellSize,
+        cell.size,
         laws::neighbourSpacing
         (
-            solids_.field()[p.cell()], volume,
-            volume/cellVolume*depositKept(kernel, cellSize)
+            cell.solidFraction, volume,
+            volume/cell.volume*gas_.depositKept(p.cell())
         ),
         viscosity,
         viscosity/td.rhoc()
@@ -268,10 +262,8 @@ void GasSampling::seeUndisturbedGas
     for (label pass = 0; pass < 20 && change > 1e-5; ++pass)
     {
         td.Uc() = p.U() + seen/(1 - share);
-        const scalar dragRate = cloud_.forces().calcCoupled
-        (
-            p, td, dt, p.mass(), p.Re(td), td.muc()
-        ).Sp();
+        const scalar dragRate =
+            forces_.coupled(p, td, dt, p.mass(), p.Re(td)).Sp();
         const scalar better = laws::selfInducedShare
         (
             p.nParticle()*dragRate,
@@ -315,7 +307,7 @@ void GasSampling::findSolidFractions(StepParcels& step)
         // decomposition of the mesh
         fractions[i] = float
         (
-            volume*(others - 1)/max(others, label(1))/mesh().V()[celli]
+            volume*(others - 1)/max(others, label(1))/gas_[celli].volume
         );
     }
     for (const label celli : step.cells)
@@ -344,10 +336,10 @@ void GasSampling::readGas(StockParcel& p, StockTracking& td)
         p.setCellValues(cloud_, td);
         return;
     }
-    const label celli = p.cell();
-    td.rhoc() = max(cloud_.rho()[celli], cloud_.constProps().rhoMin());
-    td.Uc() = cloud_.U()[celli];
-    td.muc() = cloud_.mu()[celli];
+    const CellGas::Cell& cell = gas_[p.cell()];
+    td.rhoc() = cell.density;
+    td.Uc() = cell.velocity;
+    td.muc() = cell.viscosity;
 }
 
 
@@ -363,21 +355,19 @@ GasSampling::GasSampling
 )
 :
     cloud_(cloud),
-    solids_(solids),
     kernel_(kernel),
+    gas_(cloud, solids, kernel),
+    forces_(cloud),
     feed_(feed),
     contacts_(contacts),
     inertialDispersion_(dynamic_cast<InertialDispersion*>(&cloud.dispersion())),
     planar_(cloud.mesh().nSolutionD() < 3),
     readsCells_(readsCells(cloud)),
-    cellSize_(cbrt(cloud.mesh().V().field())),
-    kept_{0, 0, 0},
     solidVolume_(contacts ? cloud.mesh().nCells() : 0, Zero),
     parcels_(contacts ? cloud.mesh().nCells() : 0, Zero),
     undisturbed_(readCorrection(cloud.particleProperties())),
     disturbanceAge_(readDisturbanceAge()),
-    dispersing_(false),
-    eddyViscosity_(nullptr)
+    dispersing_(false)
 {}
 
 
@@ -387,17 +377,17 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
 {
     addProfiling(sampling, "elutria::sampling");
     dispersing_ = disperses();
-    eddyViscosity_ = mesh().findObject<volScalarField>
-    (
-        IOobject::groupName("nut", cloud_.U().group())
-    );
+    gas_.update();
 
-    step.resize(cloud_.size());
+    step.list(cloud_);
     step.particles.stepIndex = cloud_.time().timeIndex();
-    size_t i = 0;
-    for (StockParcel& p : cloud_)
+    const std::vector<StockParcel*>& parcels = step.parcels;
+    const size_t last = parcels.size() - 1;
+    for (size_t i = 0; i < parcels.size(); ++i)
     {
-        sample(p, td, step, i++, dt);
+        soonRead(*parcels[min(i + 2, last)]);
+        expectCell(*parcels[min(i + 1, last)]);
+        sample(*parcels[i], td, step, i, dt);
     }
     if (disturbanceAge_ >= 0)
     {

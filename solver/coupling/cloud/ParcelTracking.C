@@ -22,6 +22,16 @@
 namespace Foam
 {
 
+namespace
+{
+
+//- Parcels between the one at hand and the one whose memory is asked for: a
+//  parcel takes a tenth of a microsecond, memory as much or more
+constexpr label ahead = 4;
+
+} // End anonymous namespace
+
+
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
 bool ParcelTracking::onlyCellsMatter() const
@@ -473,6 +483,12 @@ void ParcelTracking::track
         for (StockParcel& p : moving)
         {
             ++k;
+            if (first && k + ahead < step.cells.size())
+            {
+                soonRead(*step.parcels[k + ahead]);
+                cells_.expect(step.cells[k + ahead]);
+                coupling_.expect(step.cells[k + ahead]);
+            }
             Flight flight(first ? this->flight(p, step, k, dt) : flights[k]);
             if (first && passCells(p, flight, dt))
             {

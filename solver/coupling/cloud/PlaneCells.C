@@ -22,31 +22,29 @@ constexpr scalar onBoundary = 1e-9;
 //- Cells that a way leads through, at most: a corner is passed by rounding
 constexpr label mostCells = 10000;
 
-} // End anonymous namespace
-
-
-// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
-
-bool PlaneCells::isPlain(const label celli) const
+//- Is the cell convex, with plane faces?
+bool isConvexAndPlane
+(
+    const polyMesh& mesh,
+    const UList<FacePlane>& planes,
+    const label celli
+)
 {
-    for (const label facei : mesh_.cells()[celli])
+    for (const label facei : mesh.cells()[celli])
     {
-        const FacePlane& plane = planes_[facei];
-        const scalar size = sqrt(mag(mesh_.faceAreas()[facei]));
-        const scalar outwards = mesh_.faceOwner()[facei] == celli ? 1 : -1;
-        for (const label pointi : mesh_.cellPoints()[celli])
+        const FacePlane& plane = planes[facei];
+        const scalar size = sqrt(mag(mesh.faceAreas()[facei]));
+        const scalar outwards = mesh.faceOwner()[facei] == celli ? 1 : -1;
+        for (const label pointi : mesh.cellPoints()[celli])
         {
-            if
-            (
-                outwards*plane.beyond(mesh_.points()[pointi]) > flatness*size
-            )
+            if (outwards*plane.beyond(mesh.points()[pointi]) > flatness*size)
             {
                 return false;
             }
         }
-        for (const label pointi : mesh_.faces()[facei])
+        for (const label pointi : mesh.faces()[facei])
         {
-            if (mag(plane.beyond(mesh_.points()[pointi])) > flatness*size)
+            if (mag(plane.beyond(mesh.points()[pointi])) > flatness*size)
             {
                 return false;
             }
@@ -55,29 +53,31 @@ bool PlaneCells::isPlain(const label celli) const
     return true;
 }
 
+} // End anonymous namespace
 
-label PlaneCells::exit
+
+// * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
+
+const PlaneCells::Side* PlaneCells::exit
 (
     const label celli,
     const point& from,
     const point& to
 ) const
 {
-    const labelUList& owner = mesh_.faceOwner();
-    label first = -1;
+    const Side* first = nullptr;
     scalar firstPart = GREAT;
-    for (const label facei : mesh_.cells()[celli])
+    for (label i = first_[celli]; i < first_[celli + 1]; ++i)
     {
-        const FacePlane& plane = planes_[facei];
-        const scalar outwards = owner[facei] == celli ? 1 : -1;
-        const scalar beyond = outwards*plane.beyond(to);
+        const Side& side = sides_[i];
+        const scalar beyond = side.plane.beyond(to);
         if (beyond > 0)
         {
-            const scalar before = -outwards*plane.beyond(from);
+            const scalar before = -side.plane.beyond(from);
             const scalar part = max(before, scalar(0))/(before + beyond);
             if (part < firstPart)
             {
-                first = facei;
+                first = &side;
                 firstPart = part;
             }
         }
@@ -90,18 +90,41 @@ label PlaneCells::exit
 
 PlaneCells::PlaneCells(const polyMesh& mesh)
 :
-    mesh_(mesh),
-    planes_(facePlanes(mesh)),
-    plain_(mesh.nCells())
+    first_(mesh.nCells() + 1)
 {
-    forAll(plain_, celli)
+    List<FacePlane> planes(facePlanes(mesh));
+    boolList plain(mesh.nCells());
+    forAll(plain, celli)
     {
-        plain_[celli] = isPlain(celli);
+        plain[celli] = isConvexAndPlane(mesh, planes, celli);
     }
     for (label facei = mesh.nInternalFaces(); facei < mesh.nFaces(); ++facei)
     {
-        planes_[facei].offset -= onBoundary*sqrt(mag(mesh.faceAreas()[facei]));
+        planes[facei].offset -= onBoundary*sqrt(mag(mesh.faceAreas()[facei]));
     }
+
+    sides_.reserve(2*mesh.nFaces());
+    forAll(plain, celli)
+    {
+        first_[celli] = sides_.size();
+        if (!plain[celli])
+        {
+            continue;
+        }
+        for (const label facei : mesh.cells()[celli])
+        {
+            const bool owns = mesh.faceOwner()[facei] == celli;
+            sides_.append
+            ({
+                owns ? planes[facei] : planes[facei].fromBehind(),
+                !mesh.isInternalFace(facei) ? -1
+              : owns ? mesh.faceNeighbour()[facei]
+              : mesh.faceOwner()[facei]
+            });
+        }
+    }
+    first_.last() = sides_.size();
+    sides_.shrink();
 }
 
 
@@ -109,19 +132,18 @@ PlaneCells::PlaneCells(const polyMesh& mesh)
 
 label PlaneCells::follow(label celli, const point& from, const point& to) const
 {
-    for (label passed = 0; passed < mostCells && plain_[celli]; ++passed)
+    for (label passed = 0; passed < mostCells && isPlain(celli); ++passed)
     {
-        const label facei = exit(celli, from, to);
-        if (facei < 0)
+        const Side* side = exit(celli, from, to);
+        if (!side)
         {
             return celli;
         }
-        if (!mesh_.isInternalFace(facei))
+        celli = side->behind;
+        if (celli < 0)
         {
             return -1;
         }
-        const label owner = mesh_.faceOwner()[facei];
-        celli = owner == celli ? mesh_.faceNeighbour()[facei] : owner;
     }
     return -1;
 }

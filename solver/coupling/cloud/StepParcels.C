@@ -23,6 +23,17 @@ using elutria::dem::Vector3;
 } // End anonymous namespace
 
 
+void StepParcels::list(StockCloud& cloud)
+{
+    parcels.clear();
+    for (StockParcel& p : cloud)
+    {
+        parcels.push_back(&p);
+    }
+    resize(parcels.size());
+}
+
+
 void StepParcels::resize(const size_t n)
 {
     nextEnd_ = 0;

@@ -5,7 +5,7 @@
 namespace elutria::dem
 {
 
-void BoundPairs::find(const std::vector<Bound>& bounds)
+Spheres BoundPairs::spheres(const std::vector<Bound>& bounds)
 {
     const std::size_t n = bounds.size();
     centres_.resize(n), reach_.resize(n);
@@ -14,9 +14,24 @@ void BoundPairs::find(const std::vector<Bound>& bounds)
         centres_.set(i, settings_.box.wrapped(bounds[i].centre));
         reach_[i] = bounds[i].reach;
     }
-    search_.find({n, centres_.x.data(), centres_.y.data(), centres_.z.data(), reach_.data()},
-                 settings_.box, NeighbourSearch::automatic, 1,
-                 threadsFor(n, settings_.threads), pairs_);
+    return {n, centres_.x.data(), centres_.y.data(), centres_.z.data(), reach_.data()};
+}
+
+
+void BoundPairs::find(const std::vector<Bound>& bounds)
+{
+    search_.find(spheres(bounds), settings_.box, NeighbourSearch::automatic, 1,
+                 threadsFor(bounds.size(), settings_.threads), pairs_);
+}
+
+
+void BoundPairs::findWith(const std::vector<std::uint32_t>& asked,
+                          const std::vector<Bound>& bounds)
+{
+    // a bound that is asked looks all around, one of all looks half around
+    if (3*asked.size() > bounds.size()) return find(bounds);
+    search_.findWith(asked, spheres(bounds), settings_.box,
+                     threadsFor(bounds.size(), settings_.threads), pairs_);
 }
 
 } // namespace elutria::dem

@@ -17,6 +17,10 @@ public:
     explicit BoundPairs(const Settings& settings) : settings_(settings) {}
 
     void find(const std::vector<Bound>& bounds);
+
+    /// At least the pairs of the bounds `asked` with each other and all others.
+    void findWith(const std::vector<std::uint32_t>& asked, const std::vector<Bound>& bounds);
+
     std::size_t size() const { return pairs_.size(); }
 
     /// Calls visit(i, j), i < j, for every pair, ascending.
@@ -29,6 +33,8 @@ public:
     }
 
 private:
+    Spheres spheres(const std::vector<Bound>& bounds);
+
     const Settings& settings_;
     PairSearch search_;
     PairList pairs_;

@@ -159,7 +159,7 @@ std::vector<Pair> PathCheck::find(const Piece& piece, const IslandPartition& par
         checkFew(changed, bounds, check);
         return hits;
     }
-    boundPairs_.find(bounds);
+    boundPairs_.findWith(changed, bounds);
     boundPairs_.forEach([&](std::uint32_t i, std::uint32_t j)
     {
         if (isChanged_[i] || isChanged_[j]) check(i, j);

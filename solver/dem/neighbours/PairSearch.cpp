@@ -248,6 +248,30 @@ void gridSearch(const Spheres& s, const PeriodicBox& box, bool hierarchical, int
     });
 }
 
+/// Pairs of sphere i with all others; of two that are asked the first finds the pair.
+void searchAround(const SearchGrids& grids, const std::vector<char>& isAsked, const Spheres& s,
+                  std::uint32_t i, const PeriodicBox& box, Found& found)
+{
+    const Vector3 x = box.wrapped(s.position(i));
+    const Entry own{x.x, x.y, x.z, s.reach(i), i};
+    for (const Grid& level : grids.levels)
+    {
+        if (level.spheres == 0) continue;
+        level.around(x, own.reach + level.largestReach, grids.begin.data(),
+                     [&](std::uint32_t first, std::uint32_t last)
+        {
+            for (const Entry* f = &grids.entries[first]; first < last; ++first, ++f)
+            {
+                if (f->index == i || (isAsked[f->index] && f->index < i)) continue;
+                const Vector3 d = box.shortest({own.x - f->x, own.y - f->y, own.z - f->z});
+                const double reach = own.reach + f->reach;
+                if (squaredNorm(d) < reach*reach)
+                    found.push_back({std::min(i, f->index), std::max(i, f->index)});
+            }
+        });
+    }
+}
+
 /// Pairs in any order to lists by first, ascending.
 void sortPairs(const std::vector<Found>& found, std::size_t n, PairList& list)
 {
@@ -281,12 +305,18 @@ PairSearch::PairSearch() : grids_(std::make_unique<SearchGrids>()) {}
 
 PairSearch::~PairSearch() = default;
 
-void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
-                      int cellLayers, unsigned threads, PairList& list)
+void PairSearch::start(unsigned threads, const PairList& list)
 {
     std::vector<Found>& found = grids_->found;
     found.resize(std::max(1u, threads));
     for (Found& part : found) part.expect(list.size()/found.size());
+}
+
+void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
+                      int cellLayers, unsigned threads, PairList& list)
+{
+    start(threads, list);
+    std::vector<Found>& found = grids_->found;
     if (method == NeighbourSearch::bruteForce)
     {
         bruteForce(spheres, box, found[0]);
@@ -297,6 +327,26 @@ void PairSearch::find(const Spheres& spheres, const PeriodicBox& box, NeighbourS
             method == NeighbourSearch::hierarchical || method == NeighbourSearch::automatic;
         gridSearch(spheres, box, hierarchical,
                    method == NeighbourSearch::cells ? cellLayers : 1, *grids_);
+    }
+    sortPairs(found, spheres.size, list);
+}
+
+void PairSearch::findWith(const std::vector<std::uint32_t>& asked, const Spheres& spheres,
+                          const PeriodicBox& box, unsigned threads, PairList& list)
+{
+    start(threads, list);
+    std::vector<Found>& found = grids_->found;
+    isAsked_.assign(spheres.size, 0);
+    for (const std::uint32_t i : asked) isAsked_[i] = 1;
+    if (spheres.size > 1)
+    {
+        grids_->make(spheres, box, true, 1);
+        forEach(unsigned(found.size()), found.size(), [&](std::size_t t)
+        {
+            const std::size_t n = asked.size(), parts = found.size();
+            for (std::size_t k = n*t/parts; k < n*(t + 1)/parts; ++k)
+                searchAround(*grids_, isAsked_, spheres, asked[k], box, found[t]);
+        });
     }
     sortPairs(found, spheres.size, list);
 }

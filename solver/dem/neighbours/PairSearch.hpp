@@ -65,8 +65,16 @@ public:
     void find(const Spheres& spheres, const PeriodicBox& box, NeighbourSearch method,
               int cellLayers, unsigned threads, PairList& list);
 
+    /// Of the same pairs those with at least one of the spheres `asked`, which are few; each is named
+    /// once.
+    void findWith(const std::vector<std::uint32_t>& asked, const Spheres& spheres,
+                  const PeriodicBox& box, unsigned threads, PairList& list);
+
 private:
+    void start(unsigned threads, const PairList& list);
+
     std::unique_ptr<SearchGrids> grids_;
+    std::vector<char> isAsked_;
 };
 
 /// The same in one array of pairs, ascending.

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 using namespace elutria::dem;
@@ -31,6 +33,15 @@ struct RandomCloud
         {
             for (double& value : *c) value += step(random);
         }
+    }
+    /// About one of ten, in no order
+    std::vector<std::uint32_t> some()
+    {
+        std::vector<std::uint32_t> found(x.size());
+        std::iota(found.begin(), found.end(), 0u);
+        std::shuffle(found.begin(), found.end(), random);
+        found.resize(x.size()/10 + 1);
+        return found;
     }
     Spheres spheres(double skin) const
     {
@@ -74,6 +85,18 @@ TEST_SUITE("search")
                         PairList list;
                         kept.find(spheres, b, NeighbourSearch::hierarchical, 1, 3, list);
                         CHECK(list.pairs() == expected);
+
+                        const std::vector<std::uint32_t> asked = cloud.some();
+                        const auto isAsked = [&](std::uint32_t i)
+                        { return std::find(asked.begin(), asked.end(), i) != asked.end(); };
+                        std::vector<Pair> withAsked;
+                        for (const Pair& pair : expected)
+                            if (isAsked(pair.first) || isAsked(pair.second)) withAsked.push_back(pair);
+                        for (unsigned threads : {1u, 3u})
+                        {
+                            kept.findWith(asked, spheres, b, threads, list);
+                            CHECK(list.pairs() == withAsked);
+                        }
                     }
                     cloud.move(0.3);
                 }
