@@ -149,7 +149,7 @@ void requireInside
 
 void requireOwnName(const dictionary& surfaces, const word& name, const polyMesh& mesh)
 {
-    if (mesh.boundaryMesh().findPatchID(name) >= 0 || name == "symmetry")
+    if (mesh.boundaryMesh().findPatchID(name) >= 0)
     {
         FatalIOErrorInFunction(surfaces)
             << name << " is the name of a patch too; allowed: another name"
