@@ -98,6 +98,17 @@ def test_spheres_turn_at_both_sides_of_a_plate(
     assert after.velocity[3, 2] > 0.05, "turned up by the rim"
 
 
+def test_a_plate_stands_still_where_another_wall_moves(tmp_path: Path) -> None:
+    """Where a wall has a velocity all triangles have a motion: the plate's friction drags none."""
+    case = replace(BOX, contacts=Contacts(Pair(0.5, 0.5))).make(tmp_path / "case", SPHERES)
+    moving = {"type": "fixedValue", "value": [0, 1, 0]}
+    change(with_plate(case), {"0/U.air:boundaryField/west": moving})
+    solve(case)
+    after = read_particles(case, times(case)[-1])
+    assert after.velocity[0] == pytest.approx((-0.25, 0, 0), abs=1e-3)
+    assert after.spin[0] == pytest.approx((0, 0, 0), abs=1e-6)
+
+
 def test_a_file_in_millimetres_is_scaled(tmp_path: Path) -> None:
     case = BOX.make(tmp_path / "case", SPHERES)
     change(case, Contacts().settings())
