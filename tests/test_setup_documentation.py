@@ -324,6 +324,7 @@ OWN_DICTIONARIES = {
     "dragLaw": "subModels / particleForces",
     "cellList": "subModels / cellListCoeffs",
     "contactMaterial": "particle, wall",
+    "wallSurface": "surfaces / NAME",
     "contactPair": "particleParticle, particleWall, pairs / A-B",
     "dispersion": "subModels / continuousDispersionRASCoeffs",
     "scenePlan": "system/scenePlan",

@@ -23,8 +23,9 @@ from elutria.physics.drag import Gas, terminal_velocity
 from elutria.running.run import ask_plan, make_mesh, run_case
 from elutria_validation.chapters.budgets import LEDGER_ALLOWED, ledger_errors
 from elutria_validation.harness.cases import times
+from elutria_validation.harness.clearance import distances, read_obj, watch
+from elutria_validation.harness.particles import read_particles
 from elutria_validation.harness.programs import project_root
-from tests.support.clearance import distances, gap_to_others, read_cloud, wall_surfaces
 
 Note = Callable[[str, float, float], None]
 
@@ -185,6 +186,7 @@ def test_the_hood_is_what_its_surface_says(tmp_path: Path) -> None:
         ("grating", "barWidth", 0.002, "barWidth: 0.002; allowed: a finite number >= 0.005"),
         ("grating", "barWidth", 0.016, "barWidth: 0.016; allowed"),
         ("grating", "barThickness", 0.002, "barThickness: 0.002; allowed: at least cellSize"),
+        ("grating", "gratingModel", "porus", "gratingModel: porus; allowed: resolved | porous"),
         ("grating", "gratingHeights", "(0.24)", "allowed: gratings of 0.01 m, each clear of"),
         ("hood", "topRadius", 0.05, "topRadius: 0.05; allowed: below radius, 0.05 m"),
         ("hood", "sideOutletAt", 0.14, "sideOutletAt: 0.14; allowed: clear of the side inlet"),
@@ -212,21 +214,26 @@ def thick_edged_grid(free: float, thickness: float, gap: float) -> float:
     return (0.5 * shut**0.75 + tau * shut**1.375 + shut**2) / free**2
 
 
+def gas_pressure(case: Path) -> float:
+    """Mean pressure (Pa) at the inlet, over the outlet's."""
+    files = (case / "postProcessing/gas").glob("*/gas.csv")
+    flows = pd.concat([pd.read_csv(file) for file in files])
+    return float(flows[flows["patch"] == "bottom"]["pressure_pa"].mean())
+
+
 @pytest.mark.slow
 def test_a_grating_costs_the_pressure_that_bars_cost(tmp_path: Path, measured: Note) -> None:
     """One grating more: two crossed layers of bars, each of which leaves 0.7 open, and together
     0.49. Of the handbooks, layers for themselves lose least, one grid of both most."""
-    velocity, density = 6.0, 1.2
+    velocity, density, both = 6.0, 1.2, "(0.15 0.35)"
     pressures = []
-    for heights in ("(0.35)", "(0.15 0.35)"):
+    for heights, model in (("(0.35)", "resolved"), (both, "resolved"), (both, "porous")):
         case = run(
-            "grating", tmp_path / heights, Setting("system/controlDict", "writeInterval", "0.1"),
+            "grating", tmp_path / f"{model}{heights}",
+            Setting("system/controlDict", "writeInterval", "0.1"), gratingModel=model,
             gratingHeights=heights, particles=20, feedTime=0.5, drainTime=0.3, loading=1e-6,
         )  # fmt: skip
-        flows = pd.concat(
-            [pd.read_csv(file) for file in (case / "postProcessing/gas").glob("*/gas.csv")]
-        )
-        pressures.append(float(flows[flows["patch"] == "bottom"]["pressure_pa"].mean()))
+        pressures.append(gas_pressure(case))
     loss = (pressures[1] - pressures[0]) / (density / 2 * velocity**2)
     gap = (0.05 - 3 * 0.005) / 3
     slit = 2 * gap * 0.05 / (gap + 0.05)
@@ -236,6 +243,42 @@ def test_a_grating_costs_the_pressure_that_bars_cost(tmp_path: Path, measured: N
     grid = thick_edged_grid(0.49, 0.01, gap)
     measured("loss over that of the layers, least", layers / loss, 1.25)
     measured("loss over that of the grid, most", loss / grid, 1.25)
+    measured("porous bars' pressure", abs(pressures[2] / pressures[1] - 1), 0.03)
+
+
+def test_particles_meet_the_bars_that_the_gas_has_as_a_porosity(
+    tmp_path: Path, measured: Note
+) -> None:
+    """The layers take the pressure that the case asks for; some grains are on a bar, none in it."""
+    loss, pressures = 3.0, []
+    for share in (1, 2):
+        case = run(
+            "grating", tmp_path / str(share), Setting("system/controlDict", "writeInterval", "0.1"),
+            Setting("system/controlDict", "writeFormat", "ascii"),
+            Setting("system/controlDict", "purgeWrite", "0"),
+            **COARSE["grating"], gratingModel="porous", gratingLoss=loss * share,
+            particles=300, feedTime=0.3, drainTime=1, loading=1e-3,
+        )  # fmt: skip
+        pressures.append(gas_pressure(case))
+    # two gratings of 1.2 kg/m3 at 4 m/s
+    expected = 2 * loss * 1.2 / 2 * 4**2
+    measured("pressure of the gratings", (pressures[1] - pressures[0]) / expected - 1, 0.02)
+    accounts_close(case, measured)
+    bars = read_obj(case / "constant/polyMesh/bars.obj")
+    found = watch(case, [name for name in times(case)[1:] if len(name) <= 3], [bars])
+    measured("deepest in a wall, of the radius", found.deepest, 0.01)
+    measured("at rest in mid-air", found.hanging, 0)
+    touched = 0
+    for name in times(case)[1:]:
+        cloud = read_particles(case, name)
+        gap = distances(cloud.position, bars) - cloud.diameter / 2
+        touched += int(np.sum(gap < 0.05 * cloud.diameter / 2))
+        for x in (0.0125, 0.0375):  # two bars of 10 mm along each direction
+            for across, low in ((0, 0.15), (0, 0.35), (1, 0.16), (1, 0.36)):
+                inside = np.abs(cloud.position[:, across] - x) < 0.005
+                inside &= np.abs(cloud.position[:, 2] - low - 0.005) < 0.005
+                assert not inside.any()
+    assert touched > 0
 
 
 def test_allrun_makes_the_mesh_too(tmp_path: Path) -> None:
@@ -262,20 +305,8 @@ def test_none_is_outside_and_none_hangs_in_mid_air(
         particles=600, feedTime=0.5, drainTime=1.5,
     )  # fmt: skip
     accounts_close(case, measured)
-    surfaces = wall_surfaces(case)
-    deepest, hanging, before = 0.0, 0, None
-    for time in (name for name in times(case)[1:] if len(name) <= 3):  # each 0.1 s
-        ids, cloud = read_cloud(case, time)
-        radius = cloud.diameter / 2
-        # a warped face has several surfaces; outside is who is outside all of them
-        to_walls = [distances(cloud.position, walls) for walls in surfaces if len(ids)]
-        gap = np.max(to_walls, axis=0) - radius if to_walls else np.empty(0)
-        deepest = max(deepest, float((-gap / radius).max(initial=0)))
-        if before is not None:
-            here, there = np.isin(ids, before[0]), np.isin(before[0], ids)
-            moved = np.linalg.norm(cloud.position[here] - before[1].position[there], axis=1)
-            free = np.minimum(gap, gap_to_others(cloud))[here] > 0.05 * radius[here]
-            hanging += int(np.sum(free & (moved < 0.1 * radius[here])))
-        before = ids, cloud
-    measured("deepest in a wall, of the radius", deepest, 0.01)
-    measured("at rest in mid-air", hanging, 0)
+    # each 0.1 s
+    found = watch(case, [name for name in times(case)[1:] if len(name) <= 3])
+    assert found.particles > 0
+    measured("deepest in a wall, of the radius", found.deepest, 0.01)
+    measured("at rest in mid-air", found.hanging, 0)

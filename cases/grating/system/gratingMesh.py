@@ -1,11 +1,13 @@
 """Writes blockMesh's dictionary of a column with lattices of bars, from system/simulationParameters.
 
 z is up. A square shaft; at each of gratingHeights a layer of bars along y, and on it one of bars along
-x, both across the whole shaft, equally spaced, with half a gap at the walls. Bars are left out of the
-mesh: their faces are walls.
+x, both across the whole shaft, equally spaced, with half a gap at the walls. gratingModel resolved:
+bars are left out of the mesh, their faces are walls. gratingModel porous: layers are cells of the
+zone `gratings`, and the bars are a surface, constant/polyMesh/bars.obj.
 """
 
 import itertools
+from pathlib import Path
 
 from elutria.openfoam.blocks import Blocks, cells, count, write_mesh_plan
 
@@ -18,6 +20,24 @@ def across(side, bars, width):
         ends += [ends[-1] + gap / 2, ends[-1] + gap / 2 + width, ends[-1] + gap + width]
     ends[-1] = side
     return ends, [False, True, False] * bars
+
+
+def bar_faces(ends, side, low, high, along_y):
+    """The four long faces of each bar of a layer, as pairs of triangles of corners (m)."""
+    for a, b in zip(ends[1::3], ends[2::3], strict=True):
+        ring = [(a, low), (b, low), (b, high), (a, high)]
+        for (p, z), (q, w) in zip(ring, ring[1:] + ring[:1], strict=True):
+            face = [(p, 0, z), (q, 0, w), (q, side, w), (p, side, z)]
+            if not along_y:
+                face = [(y, x, z) for x, y, z in face]
+            yield from ([face[0], face[1], face[2]], [face[0], face[2], face[3]])
+
+
+def write_surface(path, triangles):
+    """A Wavefront .obj file."""
+    corners = [f"v {x:.9g} {y:.9g} {z:.9g}\n" for t in triangles for x, y, z in t]
+    faces = [f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles))]
+    path.write_text("".join(["o bars\n", *corners, *faces]))
 
 
 def mesh(parameters):
@@ -39,6 +59,7 @@ def mesh(parameters):
     if thick < size:
         raise parameters.refuse("barThickness", f"at least cellSize, {size:g} m")
     heights = parameters.numbers("gratingHeights")
+    porous = parameters.word("gratingModel", ["resolved", "porous"]) == "porous"
     layers = [(at, at + 2 * thick) for at in heights] + [(slot_at, slot_at + slot)]
     ends = [0.0, *(z for low, high in sorted(layers) for z in (low, high)), height]
     if any(b - a < size for a, b in itertools.pairwise(ends)):
@@ -49,12 +70,15 @@ def mesh(parameters):
         )
     levels = sorted({*ends, *(at + thick for at in heights)})
     xs, is_bar = across(side, bars, bar)
-    blocks = Blocks()
+    blocks, surface = Blocks(), []
     for low, high in itertools.pairwise(levels):
         along_y = any(abs(low - at) < 1e-9 for at in heights)
         along_x = any(abs(low - at - thick) < 1e-9 for at in heights)
+        if along_y or along_x:
+            surface += bar_faces(xs, side, low, high, along_y)
+        zone = "gratings" if porous and (along_y or along_x) else ""
         for i, j in ((i, j) for i in range(3 * bars) for j in range(3 * bars)):
-            if not (along_y and is_bar[i] or along_x and is_bar[j]):
+            if porous or not (along_y and is_bar[i] or along_x and is_bar[j]):
                 x, y, z = (xs[i], xs[i + 1]), (xs[j], xs[j + 1]), (low, high)
                 corners = [
                     (x[a], y[b], c)
@@ -62,7 +86,9 @@ def mesh(parameters):
                     for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))
                 ]
                 number = tuple(cells(b - a, size) for a, b in (x, y, z))
-                blocks.add(corners, number)
+                blocks.add(corners, number, zone)
+    if porous:
+        write_surface(Path("constant/polyMesh/bars.obj"), surface)
 
     def patch_of(centre):
         x, _, z = centre

@@ -30,7 +30,10 @@ CloudContacts* ElutriaCloud::findContacts()
     auto* contacts = dynamic_cast<CloudContacts*>(&collision());
     if (contacts)
     {
-        refuseWithContacts(particleProperties(), mesh());
+        refuseWithContacts
+        (
+            particleProperties(), mesh(), namesOf(contacts->surfaces())
+        );
         // Engine and walls are made anew for that
         bool symmetric = false;
         for (const polyPatch& patch : mesh().boundaryMesh())

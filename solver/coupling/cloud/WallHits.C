@@ -31,9 +31,10 @@ bool takes(const word& interaction)
 }
 
 
+//- At a patch; null: at a wall that is none
 word interactionOf
 (
-    const polyPatch& patch,
+    const polyPatch* patch,
     const word& model,
     const dictionary& coeffs
 );
@@ -41,7 +42,7 @@ word interactionOf
 
 //- What is left of all models that act in turn: each sets the parcel's fate
 //  anew
-word interactionOfMany(const polyPatch& patch, const dictionary& models)
+word interactionOfMany(const polyPatch* patch, const dictionary& models)
 {
     const bool onlyOne = models.getOrDefault<bool>("oneInteractionOnly", false);
     word last("none");
@@ -64,7 +65,7 @@ word interactionOfMany(const polyPatch& patch, const dictionary& models)
 
 word interactionOf
 (
-    const polyPatch& patch,
+    const polyPatch* patch,
     const word& model,
     const dictionary& coeffs
 )
@@ -72,13 +73,13 @@ word interactionOf
     if (model == "standardWallInteraction")
     {
         return
-            isA<wallPolyPatch>(patch)
+            !patch || isA<wallPolyPatch>(*patch)
           ? coeffs.getOrDefault<word>("type", "rebound") : word("none");
     }
-    if (model == "localInteraction")
+    if (model == "localInteraction" && patch)
     {
-        const patchInteractionDataList all(patch.boundaryMesh().mesh(), coeffs);
-        const label k = all.applyToPatch(patch.index());
+        const patchInteractionDataList all(patch->boundaryMesh().mesh(), coeffs);
+        const label k = all.applyToPatch(patch->index());
         return k < 0 ? word("none") : all[k].interactionTypeName();
     }
     if (model == "multiInteraction")
@@ -86,6 +87,16 @@ word interactionOf
         return interactionOfMany(patch, coeffs);
     }
     return model == "none" ? word("none") : word("rebound");
+}
+
+
+word interactionIn(const polyPatch* patch, const dictionary& subModels)
+{
+    const word model
+    (
+        subModels.getOrDefault<word>("patchInteractionModel", "none")
+    );
+    return interactionOf(patch, model, subModels.subOrEmptyDict(model + "Coeffs"));
 }
 
 } // End anonymous namespace
@@ -289,11 +300,13 @@ void WallHits::tell
 
 word interactionAt(const polyPatch& patch, const dictionary& subModels)
 {
-    const word model
-    (
-        subModels.getOrDefault<word>("patchInteractionModel", "none")
-    );
-    return interactionOf(patch, model, subModels.subOrEmptyDict(model + "Coeffs"));
+    return interactionIn(&patch, subModels);
+}
+
+
+word interactionAtSurfaces(const dictionary& subModels)
+{
+    return interactionIn(nullptr, subModels);
 }
 
 

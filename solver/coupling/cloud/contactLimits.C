@@ -91,12 +91,53 @@ void refuseFunctions(const dictionary& properties, const polyMesh& mesh)
     }
 }
 
+//- What models and functions would do at surfaces, which are no patches
+void refuseAtSurfaces(const dictionary& properties, const wordList& surfaces)
+{
+    const dictionary& models = properties.subOrEmptyDict("subModels");
+    const word what(interactionAtSurfaces(models));
+    for (const word& surface : surfaces)
+    {
+        if (honoured::isRefused(kind::surfaceWithContacts, what))
+        {
+            FatalIOErrorInFunction(models)
+                << "patchInteractionModel: '" << what << "' would not happen at"
+                << " the surface " << surface << ", "
+                << contactsAreOurs(kind::surfaceWithContacts, what).c_str()
+                << exit(FatalIOError);
+        }
+        for (const entry& function : properties.subOrEmptyDict("cloudFunctions"))
+        {
+            const dictionary& dict =
+                function.isDict() ? function.dict() : dictionary::null;
+            const word type(dict.getOrDefault<word>("type", ""));
+            const kind of = kind::surfaceFunctionWithContacts;
+            if
+            (
+                honoured::isRefused(of, type)
+             && dict.getOrDefault<wordRes>("patches", wordRes()).match(surface)
+            )
+            {
+                FatalIOErrorInFunction(dict)
+                    << "type: '" << type << "' would record no hit of the"
+                    << " surface " << surface << ", "
+                    << contactsAreOurs(of, type).c_str() << exit(FatalIOError);
+            }
+        }
+    }
+}
+
 } // End anonymous namespace
 
 
 // * * * * * * * * * * * * * * * Global Functions  * * * * * * * * * * * * * //
 
-void refuseWithContacts(const dictionary& properties, const polyMesh& mesh)
+void refuseWithContacts
+(
+    const dictionary& properties,
+    const polyMesh& mesh,
+    const wordList& surfaces
+)
 {
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
@@ -111,6 +152,7 @@ void refuseWithContacts(const dictionary& properties, const polyMesh& mesh)
     }
     refuseInteractions(properties, mesh);
     refuseFunctions(properties, mesh);
+    refuseAtSurfaces(properties, surfaces);
 }
 
 

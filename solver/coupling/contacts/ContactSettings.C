@@ -327,13 +327,15 @@ ContactSettings::ContactSettings
 {
     const polyMesh& mesh = U.mesh();
     requireDepth(mesh);
-    const wordList wallNames(wallPatchNames(mesh));
+    wordList wallNames(wallPatchNames(mesh));
     settings.box = periodicBox(mesh);
 
     const dictionary* own = subModels.findDict("cellListCoeffs");
     const dictionary* stock = subModels.findDict("pairCollisionCoeffs");
     if (own)
     {
+        surfaces = readWallSurfaces(*own, mesh);
+        wallNames.append(namesOf(surfaces));
         readOwn(*own, particleNames, wallNames);
     }
     else if (stock)
@@ -351,7 +353,7 @@ ContactSettings::ContactSettings
         materials.check();
         walls = collectWalls
         (
-            U, particleNames.size(), settings.box, false, wallFaces
+            U, surfaces, particleNames.size(), settings.box, false, wallFaces
         );
     }
     catch (const std::invalid_argument& error)
@@ -371,7 +373,7 @@ void ContactSettings::addSymmetryWalls
 )
 {
     addSymmetryMaterial(materials, nParticle, U.mesh());
-    walls = collectWalls(U, nParticle, settings.box, true, wallFaces);
+    walls = collectWalls(U, surfaces, nParticle, settings.box, true, wallFaces);
 }
 
 

@@ -27,7 +27,8 @@ namespace
 struct Triangle
 {
     FixedList<point, 3> corners;
-    label wall;         // index of the patch, the planes of symmetry last
+    label wall;         // index of the patch, then of the surface; planes of
+                        // symmetry last
     label motion;       // face among its processor's, -1: does not move
     label place;        // of the face in the whole mesh
     label proci, facei; // of the face in its processor's mesh
@@ -102,23 +103,22 @@ labelList facesOfWholeMesh(const polyMesh& mesh)
 }
 
 
-//- Of this processor's walls, and of its planes of symmetry if asked for. Each
-//  face of a wall has a motion: counts those
+//- Of this processor's walls, and of its planes of symmetry if these have a
+//  number (not -1). Each face of a wall has a motion: counts those
 List<Triangle> ownTriangles
 (
     const polyMesh& mesh,
-    const bool symmetryPlanes,
+    const label symmetry,
     label& motions
 )
 {
     const labelList place(facesOfWholeMesh(mesh));
-    const label symmetry = wallPatchNames(mesh).size();
     DynamicList<Triangle> triangles;
     label walls = 0;
     motions = 0;
     for (const polyPatch& patch : mesh.boundaryMesh())
     {
-        const bool mirror = symmetryPlanes && isSymmetry(patch);
+        const bool mirror = symmetry >= 0 && isSymmetry(patch);
         if (!isA<wallPolyPatch>(patch) && !mirror)
         {
             continue;
@@ -150,18 +150,18 @@ List<Triangle> ownTriangles
 }
 
 
-//- Of all processors, in the order of the whole mesh: results do not show the
-//  decomposition. The motions are counted over all processors
-std::vector<Triangle> allTriangles
+//- Of all processors' patches, in the order of the whole mesh: results do not
+//  show the decomposition. The motions are counted over all processors
+std::vector<Triangle> patchTriangles
 (
     const polyMesh& mesh,
-    const bool symmetryPlanes
+    const label symmetry
 )
 {
     label ownMotions = 0;
     const List<List<Triangle>> ofProcessors
     (
-        everyones(ownTriangles(mesh, symmetryPlanes, ownMotions))
+        everyones(ownTriangles(mesh, symmetry, ownMotions))
     );
     const labelList motions(everyones(ownMotions));
 
@@ -182,6 +182,24 @@ std::vector<Triangle> allTriangles
         [](const Triangle& a, const Triangle& b) { return a.place < b.place; }
     );
     return all;
+}
+
+
+//- Add those of surfaces, which all processors know
+void addSurfaces
+(
+    std::vector<Triangle>& triangles,
+    const UList<WallSurface>& surfaces,
+    const label firstWall
+)
+{
+    forAll(surfaces, i)
+    {
+        for (const FixedList<point, 3>& corners : surfaces[i].triangles)
+        {
+            triangles.push_back({corners, firstWall + i, -1, -1, -1, -1});
+        }
+    }
 }
 
 } // End anonymous namespace
@@ -206,6 +224,7 @@ wordList wallPatchNames(const polyMesh& mesh)
 elutria::dem::Walls collectWalls
 (
     const volVectorField& U,
+    const UList<WallSurface>& surfaces,
     const uint32_t firstMaterial,
     const elutria::dem::PeriodicBox& box,
     const bool symmetryPlanes,
@@ -220,9 +239,19 @@ elutria::dem::Walls collectWalls
     }
     ofTriangles.clear();
 
+    const label nPatches = wallPatchNames(U.mesh()).size();
+    std::vector<Triangle> triangles
+    (
+        patchTriangles
+        (
+            U.mesh(), symmetryPlanes ? nPatches + surfaces.size() : -1
+        )
+    );
+    addSurfaces(triangles, surfaces, nPatches);
+
     // Triangles share points, across processors too
     HashTable<uint32_t, point, Hash<point>> known;
-    for (const Triangle& t : allTriangles(U.mesh(), symmetryPlanes))
+    for (const Triangle& t : triangles)
     {
         std::array<uint32_t, 3> triangle;
         for (label k = 0; k < 3; ++k)

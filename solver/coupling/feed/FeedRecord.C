@@ -227,6 +227,17 @@ dictionary namedFiles(const dictionary& feed)
 }
 
 
+//- The same of the walls that particles alone meet
+dictionary namedSurfaces(const dictionary& cloudProperties)
+{
+    return namedFiles
+    (
+        cloudProperties.subOrEmptyDict("subModels")
+       .subOrEmptyDict("cellListCoeffs").subOrEmptyDict("surfaces")
+    );
+}
+
+
 //- Number of cells, volume, and moments about the origin: others where a mesh
 //  was made again in another shape
 dictionary shapeOf(const fvMesh& mesh)
@@ -336,6 +347,7 @@ dictionary feedRecord::caseFiles(const fvMesh& mesh, const dictionary& feed)
     dictionary files;
     if (Pstream::master())
     {
+        dictionary surfaces;
         files.add("named", namedFiles(feed));
         for (const word folder : {"constant", "system"})
         {
@@ -347,9 +359,15 @@ dictionary feedRecord::caseFiles(const fvMesh& mesh, const dictionary& feed)
                 dictionary content(is);
                 content.remove("FoamFile");
                 found.add(name, content);
+                const dictionary walls(namedSurfaces(content));
+                if (!walls.empty())
+                {
+                    surfaces.add(name, walls);
+                }
             }
             files.add(folder, found);
         }
+        files.add("surfaces", surfaces);
     }
     elutriaBroadcast(files);
     return files;
@@ -400,6 +418,16 @@ wordHashSet feedRecord::changes
         (
             "constant/feed", "",
             before.subDict("named"), files.subDict("named"), elsewhere
+        );
+    }
+    const dictionary& surfaces = files.subDict("surfaces");
+    for (const word& name : surfaces.toc())
+    {
+        compare
+        (
+            "constant"/name, "subModels/cellListCoeffs/surfaces/",
+            before.subOrEmptyDict("surfaces").subOrEmptyDict(name),
+            surfaces.subDict(name), elsewhere
         );
     }
     for (const Change& c : elsewhere)

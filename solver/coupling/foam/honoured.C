@@ -105,6 +105,22 @@ const std::vector<honoured::Item> all =
         kind::symmetryFunctionWithContacts, "patchPostProcessing", use::refused,
         "patches that are no planes of symmetry, or collisionModel none"
     },
+    {
+        kind::surfaceWithContacts, "stick", use::refused,
+        "rebound, or localInteraction, which names patches"
+    },
+    {
+        kind::surfaceWithContacts, "escape", use::refused,
+        "rebound, or localInteraction, which names patches"
+    },
+    {
+        kind::surfaceFunctionWithContacts, "particleErosion", use::refused,
+        "patches of the mesh"
+    },
+    {
+        kind::surfaceFunctionWithContacts, "patchPostProcessing", use::refused,
+        "patches of the mesh"
+    },
 
     // Of stock's cloud, beside its models
     {

@@ -61,8 +61,10 @@ wordList entriesOf(const ownDictionary kind)
             {
                 "contactLaw", "treatment", "stepFraction", "step", "search",
                 "cellLayers", "skin", "threads", "particle", "wall",
-                "particleParticle", "particleWall", "pairs"
+                "particleParticle", "particleWall", "pairs", "surfaces"
             };
+        case ownDictionary::wallSurface:
+            return {"file", "scale"};
         case ownDictionary::contactMaterial:
             return {"youngsModulus", "poissonsRatio"};
         case ownDictionary::contactPair:

@@ -336,6 +336,15 @@ void ScenePlan::announce
         {
             table.warn(warning);
         }
+        for (const WallSurface& surface : cloud.wallSurfaces())
+        {
+            table.row
+            (
+                "walls", surface.name + ", of particles alone",
+                std::to_string(surface.triangles.size()) + " triangles of "
+              + surface.file + "; the gas flows through"
+            );
+        }
         const bool friction = hasFriction(cloud.engine());
         table.row
         (

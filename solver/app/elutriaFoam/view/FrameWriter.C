@@ -281,7 +281,7 @@ FrameWriter::FrameWriter
     interval_ = 1/readSetting(settings, "perSecond", 30);
     const scalar limit = 1e6*readSetting(settings, "limit", 500);
     const fileName folder(time.globalPath()/"postProcessing"/"frames");
-    if (!writeBoundary(cloud.mesh(), folder/"boundary.obj"))
+    if (!writeBoundary(cloud.mesh(), cloud.wallSurfaces(), folder/"boundary.obj"))
     {
         Info<< "    Warning: " << folder.c_str() << " cannot be written: there will be no"
             << " picture, the run goes on" << endl;

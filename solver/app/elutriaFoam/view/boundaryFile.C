@@ -50,10 +50,33 @@ std::string ownPart(const polyMesh& mesh)
     return os.str();
 }
 
+
+//- Walls that are no patches; each triangle has its own points
+std::string partOf(const WallSurface& surface)
+{
+    std::ostringstream os;
+    os.precision(9);
+    os << "g " << surface.name << " wall\n";
+    for (const FixedList<point, 3>& corners : surface.triangles)
+    {
+        for (const point& p : corners)
+        {
+            os << "v " << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+        }
+        os << "f -3 -2 -1\n";
+    }
+    return os.str();
+}
+
 } // End anonymous namespace
 
 
-bool writeBoundary(const polyMesh& mesh, const fileName& file)
+bool writeBoundary
+(
+    const polyMesh& mesh,
+    const UList<WallSurface>& surfaces,
+    const fileName& file
+)
 {
     List<string> parts(Pstream::nProcs());
     parts[Pstream::myProcNo()] = ownPart(mesh);
@@ -69,6 +92,10 @@ bool writeBoundary(const polyMesh& mesh, const fileName& file)
     for (const string& part : parts)
     {
         os << part.c_str();
+    }
+    for (const WallSurface& surface : surfaces)
+    {
+        os << partOf(surface);
     }
     os << std::flush;
     return os && mv(draft, file);
