@@ -21,6 +21,7 @@ from elutria_validation.book.page import ORDER, read_notes
 from elutria_validation.book.rows import Chapter, Row, Section
 from elutria_validation.book.writing import write_chapter
 from elutria_validation.chapters import drag
+from elutria_validation.chapters import measured_riser as riser
 from elutria_validation.chapters.measured_bed import seen
 from elutria_validation.harness import box
 from elutria_validation.harness.box import BoxCase, Contacts, Material, Pair
@@ -276,6 +277,32 @@ def test_a_sphere_is_seen_from_above_where_none_lies_on_it() -> None:
     assert share((0, 0, 1, 1)) == pytest.approx(0.75, abs=0.01)
     assert share((0.5, 0, 1, 1), (-0.5, 0, 2, 1)) == pytest.approx(0.5, abs=0.01)
     assert share((1, 0, 1, 2)) == pytest.approx(1 - (2 / 3 - 3**0.5 / (2 * np.pi)), abs=0.01)
+
+
+def test_hold_up_is_that_of_grains_laid_at_known_places() -> None:
+    """A lattice, twice as dense beside both walls and none above 1 m; half of the times empty."""
+    x, z = (np.arange(n) + 0.5 for n in (70, 1000))
+    across = np.sort(np.r_[x, x[:7] + 0.25, x[-7:] - 0.25]) * 1e-3
+    place = np.stack(np.meshgrid(across, [1e-3], z * 1e-3), axis=-1).reshape(-1, 3)
+    none = np.empty((0, 3))
+    speed = np.full(len(place), 0.5)
+    found = riser.Grains([place, none] * 4, [speed, none[:, 0]] * 4, volume=2e-9, depth=2e-3)
+    assert found.beside(0.8, "core") == pytest.approx(0.5)
+    assert found.within(0.7, 0.9, (0.0, 0.1)).mean() == pytest.approx(1.0)
+    assert found.beside(0.8, "walls") == pytest.approx(13 / (2 * 6.65))
+    assert found.beside(1.2, "walls") == 0
+    assert found.along(np.array([0.5, 1.3])) == pytest.approx([0.6, 0.0])
+    assert found.mean == pytest.approx(0.6 * 0.9 / 1.3)
+    assert found.flux == pytest.approx(0.5 * riser.DENSITY * found.mean)
+    assert found.chance == pytest.approx(0, abs=1e-12)
+
+
+def test_what_was_measured_in_the_riser_has_the_published_means() -> None:
+    """0.0210 and 0.0347 from 0.1 to 1.4 m: integrals of all digitised points."""
+    for velocity, mean in ((6.74, 0.0210), (5.95, 0.0347)):
+        assert riser.measured_mean(velocity) == pytest.approx(mean, rel=0.02)
+        for place in ("core", "wall", "other wall"):
+            assert list(riser.measured(velocity, place)[0]) == [0.8, 1.1, 1.4]
 
 
 def test_a_scene_has_every_field_that_openfoam_must_read(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ QUICK = {
     "wake": ("hovering",),
     "budgets": ("momentum",),
     "classification": ("plug_flow",),
-    "measured": ("pipe", "seeds"),
+    "measured": ("pipe", "seeds", "riser"),
 }
 """Sections whose short version takes seconds."""
 FAIL = {

@@ -11,10 +11,12 @@ from elutria_validation.chapters.measured_bed_settings import bed_settings
 from elutria_validation.chapters.measured_cut import cut_in_air
 from elutria_validation.chapters.measured_dispersion import dispersion
 from elutria_validation.chapters.measured_pipe import pipe, settings
+from elutria_validation.chapters.measured_riser import riser, riser_inputs, riser_settings
 from elutria_validation.chapters.measured_seeds import seeds
 
 NAME = "measured"
 TITLE = "Against measurements"
-HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed."
+HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed, a riser."
 
-SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities, bed_settings)
+SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities, bed_settings,
+            riser, riser_inputs, riser_settings)  # fmt: skip

@@ -205,6 +205,7 @@ def set_turbulence(
                 **{group: kind for group in ("wall", "inflow", "outflow")},
                 **({"wall": {"type": WALL_FUNCTIONS[name], "value": 0}} if wall_functions else {}),
                 "cyclic": {"type": "cyclic"},
+                "symmetry": {"type": "symmetry"},
             }
     model = {"RASModel": "kEpsilon", "turbulence": True, "printCoeffs": False}
     turbulence = "constant/turbulenceProperties.air"
