@@ -46,6 +46,8 @@ VOLUME = pi / 6 * DIAMETER**3
 NU = 1.5e-5  # m2/s, of the gas
 LOW, HIGH = 0.1, 1.4
 """m: heights between which the mean hold-up is taken."""
+ENTRANCE = 0.5
+"""m: a measured height below which grains still gather speed."""
 HEIGHTS = np.arange(LOW, HIGH + 0.01, 0.05)
 PLACE = 0.8
 """m: heights of the drawn profile, and of the one across the width."""
@@ -69,20 +71,22 @@ PEERS = {6.74: "authors' LES-DEM -34 %; an Euler-Lagrange code +13 %",
 
 @dataclass(frozen=True)
 class Models:
-    """One set of settings for both velocities: what is fed (kg/m2/s), the depth (m), friction of
-    all pairs, drag law, grains in a parcel, cells along x, y and z, step (s), how long until the
-    flow counts as steady, and how long it is averaged (s)."""
+    """One set of settings for both velocities: what is fed (kg/m2/s) and within which share of the
+    width, depth and height (m), friction of all pairs, drag law, grains in a parcel, cells along x,
+    y and z, step (s), how long until the flow counts as steady, how long it is averaged (s)."""
 
     flux: float = 28.5
+    fed_within: float = 1.0
     depth: float = 7e-3
+    height: float = HEIGHT
     restitution: float = 0.97
     friction: float = 0.1
     drag: str = "GidaspowDrag"
     grains: int = 1
     cells: tuple[int, int, int] = (10, 1, 105)
     step: float = 4e-3
-    settles: float = 2.0
-    averaged: float = 2.0
+    settles: float = 1.2
+    averaged: float = 1.4
 
 
 STANDARD = Models()
@@ -93,12 +97,14 @@ UNKNOWN = {
     "depth 8 mm": Models(depth=8e-3),
 }
 """What the sources at hand give as a range: both ends of each, the other in its middle."""
+ENTRY = Models(height=0.6, cells=(10, 1, 40), settles=0.7, averaged=0.6)
+"""The riser's lowest part alone."""
 CHANGED = {
-    "standard": STANDARD,
-    "Beetstra's drag": Models(drag="BeetstraDrag"),
-    "Di Felice's drag": Models(drag="DiFeliceDrag"),
-    "friction 0": Models(friction=0.0),
-    "finer cells": Models(cells=(14, 1, 157)),
+    "standard": ENTRY,
+    "fed at one side": replace(ENTRY, fed_within=0.2),
+    "flux 32 kg/m2/s": replace(ENTRY, flux=32.0),
+    "Beetstra's drag": replace(ENTRY, drag="BeetstraDrag"),
+    "friction 0.3": replace(ENTRY, friction=0.3),
 }
 """Changed one at a time, at the first velocity."""
 QUICK = Models(cells=(5, 1, 52), settles=0.032, averaged=0.064)
@@ -115,10 +121,11 @@ def measured(velocity: float, place: str, source: str = "measured") -> tuple[Arr
     return height, fraction
 
 
-def measured_mean(velocity: float) -> float:
-    """Hold-up between LOW and HIGH."""
+def measured_mean(velocity: float, low: float = LOW, high: float = HIGH) -> float:
+    """Hold-up between two of the measured heights (m)."""
     height, fraction = measured(velocity, "section")
-    return float(np.trapezoid(fraction, height) / (HIGH - LOW))
+    inside = (low <= height) & (height <= high)
+    return float(np.trapezoid(fraction[inside], height[inside]) / (high - low))
 
 
 def even_suspension(velocity: float, models: Models) -> float:
@@ -197,7 +204,7 @@ def riser_case(folder: Path, velocity: float, models: Models) -> Path:
     end = models.settles + models.averaged
     divergences = "system/fvSchemes:divSchemes/div(alphaPhi.air"
     case = BoxCase(
-        width=WIDTH, depth=models.depth / 2, height=HEIGHT, cells=models.cells,
+        width=WIDTH, depth=models.depth / 2, height=models.height, cells=models.cells,
         gas_velocity=velocity, gas_viscosity=NU, side_velocity="noSlip",
         solve_gas=True, gas_courant=1.0, coupled=True,
         contacts=Contacts(Pair(models.restitution, models.friction), step_fraction=0.2),
@@ -211,7 +218,7 @@ def riser_case(folder: Path, velocity: float, models: Models) -> Path:
               f"{divergences},epsilon.air)": ("Gauss", "upwind")},
     ).make(folder, _spread(START[velocity], models))  # fmt: skip
     _stir(case, velocity)
-    add_zone(case, "fed", (0, 0, 0), (WIDTH, models.depth / 2, FED_BELOW))
+    add_zone(case, "fed", (0, 0, 0), (models.fed_within * WIDTH, models.depth / 2, FED_BELOW))
     rate = models.flux * WIDTH * models.depth / 2
     feed = {"outlets": {"out": ["top"]}, "zone": "fed", "massFlowRate": rate, "duration": end,
             "materials": material(DENSITY, type="fixedValue", value=DIAMETER)}  # fmt: skip
@@ -227,7 +234,7 @@ def riser_case(folder: Path, velocity: float, models: Models) -> Path:
 def _spread(fraction: float, models: Models) -> Particles:
     """Grains at places drawn from a lattice in the whole riser, at a solid fraction."""
     random = np.random.default_rng(1)
-    room = (WIDTH, models.depth / 2, HEIGHT)
+    room = (WIDTH, models.depth / 2, models.height)
     number = round(fraction * float(np.prod(room)) / (VOLUME * models.grains))
     axes = [np.arange(0.7, side / DIAMETER - 0.7, 1.3) * DIAMETER for side in room]
     grid = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
@@ -300,6 +307,11 @@ def _rows(velocity: float, ours: Grains, quick: bool) -> list[Row]:
         _mean(case, velocity, ours, None if quick else ALLOWED),
         Row.relative(case, "the same by the drag law alone, grains and gas spread evenly",
                      measured_mean(velocity), even_suspension(velocity, STANDARD), None),
+    ]  # fmt: skip
+    rows += [
+        Row.relative(case, f"mean hold-up from {low:g} to {high:g} m",
+                     measured_mean(velocity, low, high), float(ours.within(low, high).mean()), None)
+        for low, high in pairwise((LOW, ENTRANCE, HIGH))
     ]  # fmt: skip
     height, fraction = measured(velocity, "section")
     rows += [
@@ -380,16 +392,24 @@ def riser_inputs(folder: Path, quick: bool) -> Section:
 def riser_settings(folder: Path, quick: bool) -> Section:
     velocity = SPEEDS[0]
     section = Section(
-        "The riser: what each setting matters",
-        f"The riser at {velocity:g} m/s, one setting changed at a time; for information.",
+        "The riser's entrance: what each setting matters",
+        f"The lowest {ENTRY.height:g} m of the riser alone, at {velocity:g} m/s, one setting "
+        f"changed at a time; mean of {ENTRY.averaged:g} s after {ENTRY.settles:g} s; for "
+        "information. Fed at one side: into a fifth of the width.",
     )
     changed = {"10 grains a parcel": replace(QUICK, grains=10)} if quick else CHANGED
+    heights = HEIGHTS[HEIGHTS < ENTRANCE + 0.01]
     figure, (axes,) = new_figure(95)
-    for (name, models), colour in zip(changed.items(), (*COLOURS, "0.5", "k"), strict=False):
+    for (name, models), colour in zip(changed.items(), COLOURS, strict=False):
         ours = rise(folder / slug(name), velocity, models)
-        section.rows.append(_mean(name, velocity, ours))
-        axes.plot(100 * ours.along(HEIGHTS), HEIGHTS, lw=0.9, color=colour, label=name)
+        section.rows.append(
+            Row.relative(name, f"mean hold-up from {LOW:g} to {ENTRANCE:g} m",
+                         measured_mean(velocity, LOW, ENTRANCE),
+                         float(ours.within(LOW, ENTRANCE).mean()), None)
+        )  # fmt: skip
+        axes.plot(100 * ours.along(heights), heights, lw=0.9, color=colour, label=name)
     _draw_measured(axes, velocity, "k")
+    axes.set_ylim(0, ENTRY.height)
     _finish(axes)
     section.figures["riser_settings"] = (figure, "Hold-up against height, one setting at a time.")
     return section
