@@ -1,7 +1,8 @@
 """What was measured: cut sizes, flows and dispersion of grains in gas, as in the laboratory.
 
 Processor time: pipe two minutes, settings six; of the bed three minutes a run: bed three runs,
-bed_velocities five, bed_settings seven; each of the others half a minute at most.
+bed_velocities five, bed_settings seven; riser four minutes, riser_slower thirteen, riser_inputs 50,
+riser_settings two; each of the others half a minute at most.
 """
 
 from __future__ import annotations
@@ -11,7 +12,12 @@ from elutria_validation.chapters.measured_bed_settings import bed_settings
 from elutria_validation.chapters.measured_cut import cut_in_air
 from elutria_validation.chapters.measured_dispersion import dispersion
 from elutria_validation.chapters.measured_pipe import pipe, settings
-from elutria_validation.chapters.measured_riser import riser, riser_inputs, riser_settings
+from elutria_validation.chapters.measured_riser import (
+    riser,
+    riser_inputs,
+    riser_settings,
+    riser_slower,
+)
 from elutria_validation.chapters.measured_seeds import seeds
 
 NAME = "measured"
@@ -19,4 +25,4 @@ TITLE = "Against measurements"
 HELP = "Against measurements: cut sizes in air, dispersion, a pipe, seeds, a bed, a riser."
 
 SECTIONS = (cut_in_air, pipe, settings, dispersion, seeds, bed, bed_velocities, bed_settings,
-            riser, riser_inputs, riser_settings)  # fmt: skip
+            riser, riser_slower, riser_inputs, riser_settings)  # fmt: skip
