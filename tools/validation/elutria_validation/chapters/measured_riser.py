@@ -417,7 +417,7 @@ def riser_settings(folder: Path, quick: bool) -> Section:
         )  # fmt: skip
         axes.plot(100 * ours.along(heights), heights, lw=0.9, color=colour, label=name)
     _draw_measured(axes, FAST, "k")
-    axes.set_ylim(0, ENTRY.height)
+    axes.set_ylim(0, 1.4 * ENTRY.height)
     _finish(axes)
     section.figures["riser_settings"] = (figure, "Hold-up against height, one setting at a time.")
     return section
