@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -416,7 +417,7 @@ def riser_settings(folder: Path, quick: bool) -> Section:
                          float(ours.within(LOW, ENTRANCE).mean()), None)
         )  # fmt: skip
         axes.plot(100 * ours.along(heights), heights, lw=0.9, color=colour, label=name)
-    _draw_measured(axes, FAST, "k")
+    _draw_measured(axes, FAST, "k", ENTRY.height)
     axes.set_ylim(0, 1.4 * ENTRY.height)
     _finish(axes)
     section.figures["riser_settings"] = (figure, "Hold-up against height, one setting at a time.")
@@ -447,13 +448,16 @@ def _draw(section: Section, name: str, found: Mapping[float, Grains]) -> None:
     )  # fmt: skip
 
 
-def _draw_measured(axes: Axes, velocity: float, colour: str) -> None:
-    height, fraction = measured(velocity, "section")
-    axes.plot(100 * fraction, height, "s", ms=4, mfc="none", color=colour,
-              label=f"{velocity:g} m/s, measured")  # fmt: skip
-    height, fraction = measured(velocity, "section", "simulated")
-    axes.plot(100 * fraction, height, ":", lw=0.9, color=colour,
-              label=f"{velocity:g} m/s, authors' LES-DEM")  # fmt: skip
+def _draw_measured(axes: Axes, velocity: float, colour: str, highest: float = HIGH) -> None:
+    looks: dict[str, Any] = {
+        "measured": {"marker": "s", "ms": 4, "mfc": "none", "ls": ""},
+        "simulated": {"ls": ":", "lw": 0.9},
+    }
+    for source, name in (("measured", "measured"), ("simulated", "authors' LES-DEM")):
+        height, fraction = measured(velocity, "section", source)
+        shown = height <= highest
+        axes.plot(100 * fraction[shown], height[shown], color=colour,
+                  label=f"{velocity:g} m/s, {name}", **looks[source])  # fmt: skip
 
 
 def _finish(axes: Axes) -> None:
