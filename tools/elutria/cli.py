@@ -6,8 +6,10 @@ import json
 import sys
 import traceback
 from collections.abc import Mapping
+from importlib import import_module
 from math import isfinite
 from pathlib import Path
+from threading import Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -462,6 +464,11 @@ def _show(tables: Classification, wide: bool, folder: Path) -> None:
             console.print("every column: summary.csv, or --wide", style="dim")
 
 
+def _prepare_to_draw() -> None:
+    """Load what draws the figures while other runs are at work."""
+    Thread(target=import_module, args=["elutria.output.plots"]).start()
+
+
 def _plot(folder: Path, formats: list[str] | None, again: bool = False) -> None:
     """Draw the figures of RESULTS where they are older than its tables, or `again`; name them."""
     from elutria.output.results import current_figures, formats_of
@@ -520,6 +527,7 @@ class _SweepDisplay:
         self.display.say(f"expected of {in_words(cost, self.at_once)}")
 
     def finished(self, name: str, line: str) -> None:
+        _prepare_to_draw()
         self.shares[name] = 1.0
         self.display.close(name)
         self.display.say(f"{name}: {line}")

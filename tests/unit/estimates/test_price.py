@@ -51,6 +51,9 @@ def test_the_work_is_counted() -> None:
     assert work(plan(gas_change=0.005)).solved == 0  # the gas rests
     dense = work(plan(gas_change=0.9))
     assert dense.solved == pytest.approx(10000 * (20 + (1.8 + 7e-5 * 90**2 * 5.2) / 0.004))
+    heavy = work(plan(parcels=200))
+    assert heavy.solved == pytest.approx(10000 * (20 + heavy.steps)), "around each parcel"
+    assert work(plan(parcels=300)).solved == work(PLAN).solved
     assert work(plan(shortest_relaxation_s=0.001)).moved == pytest.approx(4 * done.moved)
 
 

@@ -25,6 +25,12 @@ SOLVED_LATE, MOST_LATE = 7e-5, 0.7
 """That share while the last ones hover; it rises with the square of the change, up to the second
 number."""
 
+HEAVY, FEW = 0.13, 23
+"""Of that change the share of one parcel, in units of `gasTolerance`, above which the gas is solved
+on every step while fewer than the second number are inside: more add up to an even load. Default
+columns of 100 to 400 parcels, loading 0.08 to 0.4, at 4 and 6 m/s: three were solved on nine steps
+of ten (shares 0.16 to 0.33, 8 to 21 inside), five were not (0.11 at most, or 25 inside)."""
+
 
 @dataclass(frozen=True)
 class Work:
@@ -97,6 +103,9 @@ def work(plan: Mapping[str, Any]) -> Work:
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
     late = lasts - busy
     solved = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
+    inside = parcels * (min(1.0, (gas["through_time_s"] or 0.0) / fed) if fed > 0 else 1.0)
+    if change > HEAVY * inside and 0 < inside < FEW:
+        solved = lasts
     stiff = max(1.0, step / (expected["shortest_relaxation_s"] or step))
     return Work(
         settled=cells,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,7 @@ class Results:
         self.folder = folder
         self.identity = Identity.of(case, map(Setting.parse, extra))
         self.before = open_results(folder, self.identity)
+        self._classified: dict[tuple[Point, tuple[Path, ...]], _Rows] = {}
 
     def write_identity(self) -> None:
         """Say at once whose results these are."""
@@ -91,13 +92,12 @@ class Results:
         tables = Classification(axes=tuple(axes))
         for point, folders in runs.items():
             try:
-                run = join([read_run(folder) for folder in folders])
-                seconds = sum(wall_time(folder) for folder in folders)
-                rows = _classified(point, folders, run, seconds, warnings)
+                rows = self.classified(point, folders)
             except InputError as error:
                 unreadable[point.title] = str(error)
                 continue
-            tables.extend(rows.with_settings(self._values(point, axes)))
+            warnings[point.title] = rows.warnings
+            tables.extend(rows.tables.with_settings(self._values(point, axes)))
         tables.write(self.folder)
         write_gas(
             self.folder,
@@ -118,6 +118,16 @@ class Results:
         write_json(self.folder / SWEEP, content)
         return tables, unreadable, warnings
 
+    def classified(self, point: Point, folders: Iterable[Path]) -> _Rows:
+        """The rows of a point's runs, made once; the runs' files get their warnings. Raises
+        InputError for what is incomplete."""
+        folders = tuple(folders)
+        known = self._classified.get((point, folders))
+        if known is None:
+            run = join([read_run(folder) for folder in folders])
+            known = self._classified[point, folders] = _classify(point, folders, run)
+        return known
+
     def _values(self, point: Point, axes: Iterable[str]) -> dict[str, float | str]:
         """The value that a point has for each axis, its own or the case's."""
         own = dict(point.others)
@@ -128,19 +138,24 @@ class Results:
         return _OwnValues(self.case)
 
 
-def _classified(
-    point: Point, folders: list[Path], run: Run, seconds: float, warnings: dict[str, list[Warned]]
-) -> Classification:
-    """The rows of a point's runs, with its warnings added to `warnings` and to the runs' files."""
+@dataclass(frozen=True)
+class _Rows:
+    """Of a point's runs: the rows of the tables, and the warnings."""
+
+    tables: Classification
+    warnings: list[Warned]
+
+
+def _classify(point: Point, folders: Sequence[Path], run: Run) -> _Rows:
     labels = gas_warnings(folders[0], point.velocity)
     solvers = [solver_warnings(folder) for folder in folders]
     warned = sum(map(len, solvers)) + len(labels)
+    seconds = sum(wall_time(folder) for folder in folders)
     rows = classify(run, point.velocity, seconds, warned, model_errors(Case(folders[0])))
     own = [*labels, *rows.notes]
     for folder in folders:
         set_tool_warnings(folder, own)
-    warnings[point.title] = [*(warning for some in solvers for warning in some), *own]
-    return rows
+    return _Rows(rows, [*(warning for some in solvers for warning in some), *own])
 
 
 class _OwnValues(dict[str, str]):

@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 SOLVER = "elutriaFoam"
 CASE_AT_FAULT = 2
 """The solver's exit code when it refuses a case."""
+MESH = "constant/polyMesh"
 SETTLED_GAS = "constant/settledGas"
 STEERING = "system/steering"
 FRAMES = "postProcessing/frames/frames.bin"
@@ -278,25 +280,31 @@ def ask_plan(case: Case) -> dict[str, Any]:
 
 
 def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, Any]]:
-    """The plans of a case with each of several settings, of one mesh: that of the first."""
+    """The plans of a case with each of several settings, of one mesh: that of the first. The others
+    are made two at a time, since each holds the mesh."""
     _need_programs(1)
-    found: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
-        meshed = Path()
-        for number, chosen in enumerate(settings):
-            copy = case.copy_to(Path(folder) / str(number) / case.name, chosen)
-            try:
-                mesh = copy.path / "constant/polyMesh"
-                if number == 0:
-                    make_mesh(copy, keep=case.keeps_mesh)
-                    meshed = mesh
-                elif meshed.is_dir():
-                    shutil.copytree(meshed, mesh, dirs_exist_ok=True)
-                _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
-            except ElutriaError as error:
-                raise InputError(_refusal(case, copy, str(error))) from error
-            found.append(read_plan(copy.path))
-    return found
+        first, *others = [
+            case.copy_to(Path(folder) / str(number) / case.name, chosen)
+            for number, chosen in enumerate(settings)
+        ]
+        found = [_plan(case, first, None)]
+        with ThreadPoolExecutor(2) as pool:
+            return found + list(pool.map(lambda copy: _plan(case, copy, first), others))
+
+
+def _plan(case: Case, copy: Case, meshed: Case | None) -> dict[str, Any]:
+    """The plan of a case's `copy`, with the mesh of a `meshed` one or its own."""
+    try:
+        mesh = copy.path / MESH
+        if meshed is None:
+            make_mesh(copy, keep=case.keeps_mesh)
+        elif (meshed.path / MESH).is_dir():
+            shutil.copytree(meshed.path / MESH, mesh, dirs_exist_ok=True)
+        _program([SOLVER, "-plan"], copy.path, f"log.{SOLVER}")
+    except ElutriaError as error:
+        raise InputError(_refusal(case, copy, str(error))) from error
+    return read_plan(copy.path)
 
 
 def _refusal(case: Case, copy: Case, said: str) -> str:

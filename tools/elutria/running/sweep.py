@@ -169,7 +169,7 @@ def run_sweep(
         _look_ahead(case, members, todo, watcher, goal)
     try:
         with asking(results.folder) as asked:
-            course = _Course(case, np, list(members), goal, result, asked, threads)
+            course = _Course(results, np, list(members), goal, result, asked, threads)
             _work_off(course, executor, watcher)
     except KeyboardInterrupt:
         results.write_tables(result.failures)
@@ -258,7 +258,7 @@ class _Course:
 
     def __init__(
         self,
-        case: Case,
+        results: Results,
         np: int,
         members: list[Member],
         goal: Precision | Budget | None,
@@ -266,7 +266,8 @@ class _Course:
         asked: Asking,
         threads: int | None,
     ):
-        self.case = case
+        self.results = results
+        self.case = results.case
         self.np = np
         self.members = members
         self.goal = goal
@@ -315,13 +316,17 @@ class _Course:
         if isinstance(self.goal, Budget):
             return self._within(self.goal)
         group = self._group(point)
-        if self.goal is None or not self._is_complete(group):
+        if not self._is_complete(group):
             return []
+        count = None
         try:
-            run = join([read_run(member.folder) for member in group])
+            if self.goal is not None:
+                run = join([read_run(member.folder) for member in group])
+                count = self.goal.further_runs(run, len(group))
+            if count is None and self.running:  # the others' processors are at work meanwhile
+                self.results.classified(point, [member.folder for member in group])
         except InputError:
             return []  # told when the tables are made
-        count = self.goal.further_runs(run, len(group))
         if count == 0:
             self.result.imprecise.append(point.title)
         return self.not_finished(self._add(group, count or 0))

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "run/exitHandling.H"
+#include "run/BatchedLog.H"
 #include "foam/UnsoundStep.H"
 #include "error.H"
 #include "IOstreams.H"
@@ -45,6 +46,7 @@ void say(const std::string& reason)
 {
     std::cout<< std::flush;
     std::cout<< "\nelutria: failed: " << onOneLine(reason) << std::endl;
+    BatchedLog::release();
 }
 
 
@@ -69,6 +71,7 @@ void memoryFault(int)
         " the run can be continued from the last written time, which is"
         " complete\n";
     const char* const text = code == caseAtFault ? reading : running;
+    BatchedLog::release();
     if (write(STDOUT_FILENO, text, std::strlen(text)) >= 0)
     {
         _exit(code);
