@@ -5,6 +5,7 @@ Nothing in a case is executed here.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import math
 import os
@@ -30,6 +31,7 @@ from elutria.openfoam.dictionary import (
 from elutria.openfoam.elsewhere import (
     FOLDERS,
     LARGEST_DICTIONARY,
+    dictionaries,
     name_the_same,
     named_elsewhere,
     named_environment,
@@ -89,6 +91,13 @@ class Case:
         for needed in ("system/controlDict", PARAMETERS, "constant/feed"):
             if not (path / needed).is_file():
                 raise InputError(f"{path / needed}: file not found; every Elutria case has it")
+        for file in dictionaries(path):
+            with file.open("rb") as opened:
+                if opened.read(3) == codecs.BOM_UTF8:
+                    raise InputError(
+                        f"{file}: begins with a byte order mark, which OpenFOAM takes for a part "
+                        "of the first word; allowed: plain text (UTF-8 without BOM)"
+                    )
 
     @property
     def name(self) -> str:
@@ -268,8 +277,9 @@ class Case:
             if path.stat().st_size > LARGEST_DICTIONARY or self._not_read(within):
                 continue
             text = path.read_text("latin-1")
-            is_program = path.name in MESH_SCRIPTS or path.suffix in (".py", ".sh")
-            if (is_program and as_word.search(text)) or by_name.search(without_comments(text)):
+            if (_is_program(path.name) and as_word.search(text)) or by_name.search(
+                without_comments(text)
+            ):
                 return
         if entry not in self.dictionary(PARAMETERS).entries:
             return  # set_entry says what there is
@@ -280,7 +290,7 @@ class Case:
 
     def _not_read(self, file: str) -> str:
         """Why no program of a run reads a file of the mesh; empty where one may."""
-        if self.mesh_script or not OF_THE_MESH.fullmatch(file):
+        if self.mesh_script or not OF_THE_MESH.fullmatch(file) or _is_program(file):
             return ""
         if self.keeps_mesh:
             return f"{MESH} is kept as it is"
@@ -410,6 +420,10 @@ class Case:
 def _patch_type(patch: object) -> str:
     """What a mesh's file says of a patch; empty where it says nothing."""
     return str(patch.get("type", "")) if isinstance(patch, Mapping) else ""
+
+
+def _is_program(file: str) -> bool:
+    return file in MESH_SCRIPTS or Path(file).suffix in (".py", ".sh")
 
 
 def _with_start(file: str) -> list[str]:
