@@ -17,7 +17,7 @@ from elutria.cli import main
 from elutria.errors import InputError
 from elutria.openfoam.asked import ask
 from elutria.openfoam.dictionary import set_entry
-from elutria.running.run import ask_plan, run_case
+from elutria.running.run import ask_plan, plans, run_case
 
 FEED, BLOCKS = "constant/feed", "system/blockMeshDict"
 
@@ -202,6 +202,17 @@ def test_a_setting_of_0_orig_acts_on_0(column: Path, tmp_path: Path) -> None:
         "0.5", "0.5",
     ]  # fmt: skip
     assert case.value("0.orig/k.air", name.partition(":")[2]) == "0.05"
+
+
+def test_a_setting_of_a_file_that_is_not_used_is_refused(column: Path) -> None:
+    """A field that the turbulence model does not read: another value of it is no other run."""
+    shutil.copy(column / "0.orig/epsilon.air", column / "0.orig/omega.air")
+    edit(column, "0.orig/omega.air", r"epsilon\.air", "omega.air")
+    edit(column, "0.orig/omega.air", r"2 -3 ", "0 -1 ")
+    case = Case(column)
+    settings = case.settings_for(None, ["0.orig/omega.air:internalField=uniform 9"])
+    with pytest.raises(InputError, match=r"0\.orig/omega\.air: internalField: is not used \("):
+        plans(case, [settings])
 
 
 @pytest.mark.parametrize(

@@ -283,7 +283,7 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
     found: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
         meshed = Path()
-        for number, chosen in enumerate(settings):
+        for number, chosen in enumerate(map(list, settings)):
             copy = case.copy_to(Path(folder) / str(number) / case.name, chosen)
             try:
                 mesh = copy.path / "constant/polyMesh"
@@ -296,7 +296,21 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
             except ElutriaError as error:
                 raise InputError(_refusal(case, copy, str(error))) from error
             found.append(read_plan(copy.path))
+            _require_read(case, chosen, found[-1])
     return found
+
+
+def _require_read(case: Case, settings: Iterable[Setting], plan: dict[str, Any]) -> None:
+    """Raise InputError for a setting of a file that the solver does not use: it would change
+    nothing but the label of a result."""
+    unused = {what: why for kind, what, why in plan.get("decisions", []) if kind == "not used"}
+    for setting in settings:
+        why = unused.get(re.sub(r"^0\.orig/", "0/", setting.file))
+        if why is not None:
+            raise InputError(
+                f"{case.name}/{setting.file}: {setting.entry}: is not used ({why}), so that its "
+                "value changes nothing; allowed: an entry that acts"
+            )
 
 
 def _refusal(case: Case, copy: Case, said: str) -> str:
