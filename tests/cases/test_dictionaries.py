@@ -17,7 +17,7 @@ from elutria.cli import main
 from elutria.errors import InputError
 from elutria.openfoam.asked import ask
 from elutria.openfoam.dictionary import set_entry
-from elutria.running.run import ask_plan, run_case
+from elutria.running.run import ask_plan, plans, run_case
 
 FEED, BLOCKS = "constant/feed", "system/blockMeshDict"
 
@@ -158,6 +158,103 @@ def test_a_mesh_that_may_be_old_is_refused(column: Path) -> None:
     os.utime(column / PARAMETERS, (later, later))
     with pytest.raises(InputError, match="is not what system/blockMeshDict makes"):
         ask_plan(Case(column))
+
+
+def test_a_copy_that_has_lost_which_is_newer_is_refused(column: Path) -> None:
+    """`cp -r` takes constant before system: the blockMeshDict is as if it was changed since."""
+    narrowed(column)
+    made = (column / "constant/polyMesh/faces").stat().st_mtime
+    for file in (column / "system").iterdir():
+        os.utime(file, (made, made))
+    os.utime(column / BLOCKS, (made + 0.01, made + 0.01))
+    with pytest.raises(InputError, match="a copy of the case has lost which of both is newer"):
+        ask_plan(Case(column))
+    mesh(column)  # one that blockMesh makes is no question
+    os.utime(column / BLOCKS, (made + 100, made + 100))
+    assert not Case(column).keeps_mesh
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_settings_of_a_mesh_that_is_not_made_are_refused(column: Path, kept: bool) -> None:
+    scale, cells = f"{BLOCKS}:scale", "system/topoSetDict:cells"
+    (column / "system/topoSetDict").write_text("cells 1; scale $cellSize;\n")
+    with (column / PARAMETERS).open("a") as file:
+        file.write("cellSize 0.001;\n")
+    if kept:
+        narrowed(column)
+    case = Case(column)
+    for name in [scale] * kept + [cells, f"{PARAMETERS}:cellSize"]:
+        with pytest.raises(InputError, match="changes nothing"):
+            case.settings_for(None, [f"{name}=2"])
+    if not kept:
+        case.settings_for(None, [f"{scale}=2"])
+    (column / "Allmesh").write_text("blockMesh && topoSet\n")
+    case.settings_for(None, [f"{name}=2" for name in (scale, cells, f"{PARAMETERS}:cellSize")])
+
+
+def test_a_setting_of_0_orig_acts_on_0(column: Path, tmp_path: Path) -> None:
+    name = "0.orig/k.air:boundaryField/bottom/intensity"
+    case = Case(column)
+    settings = case.settings_for(None, [f"{name}=0.5"])
+    case.check_settings(settings)
+    copy = case.copy_to(tmp_path / "copy", settings)
+    assert [copy.value(f"{zero}/k.air", name.partition(":")[2]) for zero in ("0", "0.orig")] == [
+        "0.5", "0.5",
+    ]  # fmt: skip
+    assert case.value("0.orig/k.air", name.partition(":")[2]) == "0.05"
+
+
+def test_a_setting_of_a_file_that_is_not_used_is_refused(column: Path) -> None:
+    """A field that the turbulence model does not read: another value of it is no other run."""
+    shutil.copy(column / "0.orig/epsilon.air", column / "0.orig/omega.air")
+    edit(column, "0.orig/omega.air", r"epsilon\.air", "omega.air")
+    edit(column, "0.orig/omega.air", r"2 -3 ", "0 -1 ")
+    case = Case(column)
+    settings = case.settings_for(None, ["0.orig/omega.air:internalField=uniform 9"])
+    with pytest.raises(InputError, match=r"0\.orig/omega\.air: internalField: is not used \("):
+        plans(case, [settings])
+
+
+@pytest.mark.parametrize(
+    "file, entry, value, last",
+    [
+        (FEED, "seed", "2", "seed 9;"),
+        (FEED, "velocity", "(1 0 0)", "velocity (0 0 1);"),
+        (PARAMETERS, "loading", "0.5", "loading 0.3;"),
+        ("0.orig/p", "internalField", "uniform 1", "internalField uniform 2;"),
+    ],
+)
+def test_a_setting_that_what_is_behind_it_replaces_is_refused(
+    column: Path, file: str, entry: str, value: str, last: str
+) -> None:
+    """Two values of it would give one result under two labels."""
+    (column / "system/ours").write_text(f"{last}\n")
+    with (column / file).open("a") as opened:
+        opened.write('#include "../system/ours"\n')
+    case = Case(column)
+    with pytest.raises(InputError, match=rf"{file}: {entry}: stays .*has the last word"):
+        case.check_settings(case.settings_for(None, [f"{file}:{entry}={value}"]))
+    there = last.removeprefix(entry).strip(" ;")
+    case.check_settings(case.settings_for(None, [f"{file}:{entry}={there}"]))
+
+
+def test_variables_of_the_environment_are_inputs(
+    column: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those that a dictionary takes, and the files that it names by them."""
+    edit(column, FEED, r"density .*;", "density $GRAIN;")
+    edit(column, PARAMETERS, r"seed ", '#include "$PLANT/ours"\nseed ')
+    (tmp_path / "ours").write_text("other 1;\n")
+    hashes = []
+    for grain, text in (("2650", "1"), ("3000", "1"), ("3000", "2")):
+        monkeypatch.setenv("GRAIN", grain)
+        monkeypatch.setenv("PLANT", str(tmp_path))
+        (tmp_path / "ours").write_text(f"other {text};\n")
+        hashes.append(Case(column).fingerprint([]))
+    assert len(set(hashes)) == 3
+    monkeypatch.setenv("UNRELATED", "1")
+    assert Case(column).fingerprint([]) == hashes[-1]
+    assert {"$GRAIN", "$PLANT"} < set(Case(column).file_hashes())
 
 
 def test_the_solver_prints_what_it_reads(column: Path) -> None:

@@ -101,14 +101,14 @@ def read_csv(
     Raises InputError when the file is missing, has other columns, ends within a row or has one of
     `columns` that is neither a number nor among the `words`.
     """
-    text = read_text(path)
-    rows = list(csv.reader(text.splitlines()))
+    numbered = read_rows(path)
+    rows = [row for _, row in numbered]
     if not rows or [name for name in columns if name not in rows[0]]:
         raise InputError(f"{path}: first line must name the columns {','.join(columns)}")
-    if not text.endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
+    if not read_text(path).endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
         raise InputError(f"{path}: ends within a row or has rows of different length")
     table = [dict(zip(rows[0], map(_number_or_text, row), strict=True)) for row in rows[1:]]
-    for number, entries in enumerate(table, start=2):
+    for (number, _), entries in zip(numbered[1:], table, strict=True):
         for name in columns:
             if name not in words and not isinstance(entries[name], float):
                 shown = one_line(entries[name], 40)
@@ -124,9 +124,22 @@ def _number_or_text(cell: str) -> float | str:
 
 
 def read_text(path: Path, limit: int = 50_000_000) -> str:
-    """Text of a regular file of at most `limit` bytes. Raises InputError naming the file."""
+    """Text of a regular file of at most `limit` bytes, without the byte order mark that
+    spreadsheets put before it. Raises InputError naming the file."""
     with reading(path, limit):
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
+
+
+def read_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Rows of a csv file and the lines that they stand in; those of empty cells are left out.
+    Raises InputError where the first one has its columns parted by other than commas."""
+    reader = csv.reader(read_text(path).splitlines())
+    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    if rows and len(rows[0][1]) == 1 and (other := {";", "\t"} & {*rows[0][1][0]}):
+        raise InputError(
+            f"{path}: columns are parted by {other.pop()!r}; allowed: commas, and points in numbers"
+        )
+    return rows
 
 
 @contextmanager

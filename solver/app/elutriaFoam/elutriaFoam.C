@@ -85,6 +85,22 @@ bool isLast(const Time& runTime)
 }
 
 
+//- A function of controlDict may stop a run before its time: what it came to then
+//  is no result of the case
+void requireNotStopped(const Time& runTime)
+{
+    const scalar end = runTime.controlDict().get<scalar>("endTime");
+    if (runTime.value() < end - 0.5*runTime.deltaTValue())
+    {
+        FatalErrorInFunction
+            << "stopped at time " << runTime.timeName() << " by a function of"
+            << " system/controlDict, before feed and drain time were over;"
+            << " started again, the run goes on from the last time written"
+            << exit(FatalError);
+    }
+}
+
+
 //- Say what the run would do
 void announceOnly
 (
@@ -166,8 +182,9 @@ void nextStep(Time& runTime, const GasPhase& gas, const scalar largest)
 }
 
 
-//- Step by step until all particles have left, or the run's end
-void march
+//- Step by step until all particles have left, or the run's end. Returns whether
+//  the feed's run is over before its end
+bool march
 (
     Time& runTime,
     GasPhase& gas,
@@ -226,6 +243,7 @@ void march
         plan.countStep();
         plan.account(ScenePlan::partOutput);
     }
+    return drained;
 }
 
 
@@ -303,12 +321,17 @@ void run(const argList& args)
     exitHandling::caseIsRead();
     Info<< "\nStarting time loop\n" << endl;
 
-    march(runTime, gas, cloud, plan, table, control, frames.get());
+    const bool drained =
+        march(runTime, gas, cloud, plan, table, control, frames.get());
 
     plan.report(cloud);
     if (cloud.feed())
     {
         requireNothingLost(mesh, cloud);
+        if (!drained)
+        {
+            requireNotStopped(runTime);
+        }
     }
     Info<< "elutria: finished" << endl;
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import pytest
@@ -133,6 +134,16 @@ def test_only_one_value_can_be_set(tmp_path: Path, value: str) -> None:
     with pytest.raises(InputError, match="allowed: one value"):
         set_entry(path, "a", value)
     assert path.read_text() == "a 5;\n"
+
+
+def test_of_an_entry_that_is_there_twice_the_last_is_set(tmp_path: Path) -> None:
+    """OpenFOAM reads the last; foamlib's warning is no line of ours."""
+    file = tmp_path / "values"
+    file.write_text("n 1;\nm 2;\nn 3;\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        set_entry(file, "n", "4")
+    assert file.read_text().split() == ["n", "1;", "m", "2;", "n", "4;"]
 
 
 def test_setting_what_is_not_there_suggests_what_is(tmp_path: Path) -> None:

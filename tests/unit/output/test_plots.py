@@ -16,8 +16,10 @@ from elutria import tables
 from elutria.classification.classify import Classification, classify
 from elutria.files import read_csv, write_csv
 from elutria.output import plots
+from elutria.output.cut_size_figure import cut_size_figure
 from elutria.output.partition_figure import class_mean
 from elutria.output.results import current_figures, read_results
+from elutria.output.settings import Settings
 from elutria.output.style import looks
 from tests.support.synthetic import MATERIALS, synthetic
 
@@ -95,6 +97,28 @@ def test_two_settings_give_families_and_contours(
     points = [line.get_xydata() for line in panel.lines if line.get_marker() == "o"]
     assert sorted(map(tuple, points[0])) == [(u, p) for u in (4, 6) for p in (0.1, 0.3, 0.5)]
     assert panel.collections, "no contour is drawn"
+
+
+def test_words_and_vectors_stand_side_by_side(tmp_path: Path) -> None:
+    """`--vary constant/feed:velocity=...` at one gas velocity: no axis of numbers has them."""
+    name, values = "constant/feed:velocity", ["(0.5 0 0)", "(1 0 0)", 3.0]
+    made = Classification(axes=(name,))
+    for number, value in enumerate(values):
+        run = synthetic(4.0 + number, ["quartz"])
+        made.extend(classify(run, 4.0, 1.0).with_settings({name: value}))
+    made.write(tmp_path)
+    plots.write_figures(tmp_path)
+    results = read_results(tmp_path)
+    settings = Settings(results.summary, results.partition)
+    (axes,) = cut_size_figure(settings, results.summary, []).axes
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["3", "(0.5 0 0)", "(1 0 0)"]
+    rows = [row for row in results.summary if row["material"] == "quartz"]
+    drawn = sorted(
+        (float(x), float(y)) for line in axes.lines if line.get_marker() == "o"
+        for x, y in zip(*line.get_data(), strict=True)
+    )  # fmt: skip
+    cuts = {row[name]: row["d50_m"] * 1e6 for row in rows}
+    assert drawn == [(0, cuts[3.0]), (1, cuts["(0.5 0 0)"]), (2, cuts["(1 0 0)"])]
 
 
 def test_one_line_of_points_has_no_contours(tmp_path: Path) -> None:

@@ -71,3 +71,13 @@ def test_runs_that_are_there_are_used(column: Path, fake_solver: Path, tmp_path:
     assert {row["material"] for row in tables.summary} == {"quartz", "all"}
     answer(Case(column), to, (500e-6, "quartz", None, 12), SMALL, 1, Silent())
     assert len(fake_solver.read_text().splitlines()) == first
+
+
+def test_limits_of_more_digits_than_a_table_has(
+    column: Path, fake_solver: Path, tmp_path: Path
+) -> None:
+    """Finest and coarsest that the search tries are a fifth of a guess and five times it."""
+    wanted = (100e-6, "all", f"{VELOCITY}=2.123456789012:3", 12)
+    with pytest.raises(ElutriaError, match=r"no value of .* 100 um \(2\.12346: "):
+        answer(Case(column), tmp_path / "results", wanted, SMALL, 1, Silent())
+    assert 2 <= len(fake_solver.read_text().splitlines()) <= 4

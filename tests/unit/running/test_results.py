@@ -175,6 +175,18 @@ def test_points_of_a_file_are_runs(column: Path, tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.usefixtures("fake_solver")
+def test_points_as_a_spreadsheet_writes_them(column: Path, tmp_path: Path) -> None:
+    """With a byte order mark, CRLF, and rows of empty cells, which count as lines."""
+    file = tmp_path / "points.csv"
+    text = f"\ufeffgas_velocity_m_s,{LOADING}\r\n4,0.2\r\n,\r\n\r\n5,0.4\r\n"
+    file.write_text(text, "utf-8")
+    assert [point.velocity for point in read_points(Case(column), file)] == [4, 5]
+    file.write_text(text + "6,x\r\n", "utf-8")
+    with pytest.raises(InputError, match="'x' in line 6"):
+        read_points(Case(column), file)
+
+
 @pytest.mark.parametrize(
     "axis, said",
     [
@@ -202,6 +214,7 @@ def test_bad_axes_are_one_line(column: Path, axis: str, said: str) -> None:
         ("gas_velocity_m_s\n", "holds no points"),
         ("gas_velocity\n5\n", "column 'gas_velocity'; allowed"),
         ("gas_velocity_m_s\nx\n", "'x' in line 2"),
+        (f"gas_velocity_m_s;{LOADING}\n5;0,2\n", "columns are parted by ';'; allowed: commas"),
         (f"gas_velocity_m_s,{LOADING}\n5\n", "line 2 has 1 cells"),
         ("system/simulationParameters:lodng\n5\n", "lodng"),
     ],
@@ -303,7 +316,7 @@ def test_a_parameter_that_no_file_takes_is_no_label(column: Path, fake_solver: P
         ("Allmesh", "python3 mesh.py"),
         ("system/mesh.py", "stages = parameters['stages']"),
         ("system/mesh.py", "of = read('system/simulationParameters')['sta' + 'ges']"),
-        ("system/topoSetDict", 'a #calc "$stages + 1";'),
+        ("system/sampleDict", 'a #calc "$stages + 1";'),
         ("constant/g", '#calc #{ dict.get<label>("stages") #}'),
         ("system/simulationParameters", "feedStage ${stages};"),
     ],

@@ -436,3 +436,12 @@ def test_a_program_that_is_not_there_is_an_outcome(tmp_path: Path) -> None:
     (tmp_path / "system").mkdir()
     (tmp_path / "system/controlDict").write_text("endTime 1;\n")
     assert not follow(tmp_path, ["no-such-program"], "log", lambda _: None).complete
+
+
+@pytest.mark.parametrize("script", ["kill -9 $$", "exit 137"], ids=["itself", "mpirun's"])
+def test_a_program_that_is_killed_says_so(tmp_path: Path, script: str) -> None:
+    (tmp_path / "system").mkdir()
+    (tmp_path / "system/controlDict").write_text("endTime 1;\n")
+    outcome = follow(tmp_path, ["sh", "-c", script], "log", lambda _: None)
+    assert outcome.reason.startswith("it was killed (SIGKILL, as the system does where memory is")
+    assert not follow(tmp_path, ["false"], "log", lambda _: None).reason

@@ -5,8 +5,11 @@ Nothing in a case is executed here.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import math
+import os
+import posixpath
 import re
 import shutil
 import tempfile
@@ -28,11 +31,13 @@ from elutria.openfoam.dictionary import (
 from elutria.openfoam.elsewhere import (
     FOLDERS,
     LARGEST_DICTIONARY,
+    dictionaries,
     name_the_same,
     named_elsewhere,
+    named_environment,
 )
 from elutria.openfoam.mesh import check_mesh
-from elutria.openfoam.own_mesh import is_stale, keeps_mesh
+from elutria.openfoam.own_mesh import MESH, OF_THE_MESH, PLAN, is_stale, keeps_mesh
 from elutria.openfoam.text import without_comments
 from elutria.physics.drag import Gas
 from elutria.physics.laws import Grain, drag_title
@@ -86,6 +91,13 @@ class Case:
         for needed in ("system/controlDict", PARAMETERS, "constant/feed"):
             if not (path / needed).is_file():
                 raise InputError(f"{path / needed}: file not found; every Elutria case has it")
+        for file in dictionaries(path):
+            with file.open("rb") as opened:
+                if opened.read(3) == codecs.BOM_UTF8:
+                    raise InputError(
+                        f"{file}: begins with a byte order mark, which OpenFOAM takes for a part "
+                        "of the first word; allowed: plain text (UTF-8 without BOM)"
+                    )
 
     @property
     def name(self) -> str:
@@ -223,6 +235,8 @@ class Case:
         """Raise InputError for the first of `files` that is none within the case."""
         root = self.path.resolve()
         for file in files:
+            if (plain := posixpath.normpath(file)) != file:
+                raise InputError(f"{option} {file}: is another name of {plain}; allowed: that")
             target = (self.path / file).resolve()
             if not target.is_relative_to(root) or not target.is_file():
                 known = [str(p.relative_to(self.path)) for p in _files(self.path)]
@@ -244,21 +258,28 @@ class Case:
         return settings
 
     def require_used(self, name: str) -> None:
-        """Raise InputError where FILE:ENTRY is of the file of parameters and no file of the case
-        takes it: another value would change nothing but the label of a result."""
+        """Raise InputError where FILE:ENTRY is of a file of a mesh that is not made, or of the file
+        of parameters and no file of the case takes it: another value would change nothing but the
+        label of a result."""
         file, _, entry = name.partition(":")
+        if why := self._not_read(file):
+            raise InputError(
+                f"{self.name}/{file}: {entry}: {why}, so that its value changes nothing; allowed: "
+                "an entry that acts, or an Allmesh that makes the mesh"
+            )
         if file != PARAMETERS or name == VELOCITY or "/" in entry:
             return  # the gas velocity is compared with the solved gas
         by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
         # a program may put the name together; what feeds is constant/feed's alone
         named = re.escape(entry) if entry in ENTRIES else f"{re.escape(entry)}|{Path(file).name}"
         as_word = re.compile(rf"(?<!\w)({named})(?!\w)")
-        for _, path in _inputs(self.path):
-            if path.stat().st_size > LARGEST_DICTIONARY:
+        for within, path in _inputs(self.path):
+            if path.stat().st_size > LARGEST_DICTIONARY or self._not_read(within):
                 continue
             text = path.read_text("latin-1")
-            is_program = path.name in MESH_SCRIPTS or path.suffix in (".py", ".sh")
-            if (is_program and as_word.search(text)) or by_name.search(without_comments(text)):
+            if (_is_program(path.name) and as_word.search(text)) or by_name.search(
+                without_comments(text)
+            ):
                 return
         if entry not in self.dictionary(PARAMETERS).entries:
             return  # set_entry says what there is
@@ -266,6 +287,17 @@ class Case:
             f"{self.name}/{PARAMETERS}: {entry}: no file of the case takes ${entry}, so that its "
             f"value changes nothing; allowed: an entry that acts, such as constant/feed:{entry}"
         )
+
+    def _not_read(self, file: str) -> str:
+        """Why no program of a run reads a file of the mesh; empty where one may."""
+        if self.mesh_script or not OF_THE_MESH.fullmatch(file) or _is_program(file):
+            return ""
+        if self.keeps_mesh:
+            return f"{MESH} is kept as it is"
+        plan = self.path / PLAN
+        if file == PLAN or (plan.is_file() and Path(file).name in plan.read_text("latin-1")):
+            return ""
+        return f"the mesh is made from {PLAN} alone"
 
     def copy_to(self, folder: Path, settings: Iterable[Setting]) -> Case:
         """Copy the case to a new `folder` with `settings` applied; results are left behind."""
@@ -294,30 +326,69 @@ class Case:
         copy = Case(folder)
         with writing_to(folder):
             name_the_same(self.path, folder)
-        for setting in settings:
-            set_entry(folder / setting.file, setting.entry, setting.value, folder)
+        copy._apply(settings)
         return copy
+
+    def _apply(self, settings: Iterable[Setting]) -> None:
+        """Give entries their values; those of 0.orig in 0 too, which a run starts from."""
+        for setting in settings:
+            for file in _with_start(setting.file):
+                if (self.path / file).is_file():
+                    set_entry(self.path / file, setting.entry, setting.value, self.path)
 
     def check_settings(self, *runs: Iterable[Setting]) -> None:
         """Raise InputError when the case, with the settings of one of `runs` applied, is not one
-        that can be run."""
+        that can be run, or does not have them then."""
         with tempfile.TemporaryDirectory() as folder:
             copy = self.copy_to(Path(folder) / self.name, [])
             for settings in runs:
                 settings = list(settings)
-                for setting in settings:
-                    set_entry(copy.path / setting.file, setting.entry, setting.value, copy.path)
+                before = [copy._read(setting) for setting in settings]
+                files = {copy.path / file for one in settings for file in _with_start(one.file)}
+                kept = {file: file.read_bytes() for file in files if file.is_file()}
+                copy._apply(settings)
                 copy.check_mesh()
                 copy.velocity()
                 copy.feed()
-                for setting in settings:  # as it was, for the next
-                    shutil.copy2(self.path / setting.file, copy.path / setting.file)
+                for setting, was in zip(settings, before, strict=True):
+                    copy._require_acts(setting, was)
+                for file, content in kept.items():  # as it was, for the next
+                    file.write_bytes(content)
+
+    def _read(self, setting: Setting) -> str | None:
+        """What is read for the entry of a setting; None where that cannot be told, or where the gas
+        tells."""
+        if f"{setting.file}:{setting.entry}" == VELOCITY:
+            return None
+        try:
+            return self.value(setting.file, setting.entry)
+        except InputError:
+            return None
+
+    def _require_acts(self, setting: Setting, before: str | None) -> None:
+        """Raise InputError where an entry is read as `before` though it was given another value:
+        what comes after it in the file, such as an include, has the last word."""
+        read = self._read(setting)
+        if read is None or read != before:
+            return
+        asked, found = _tokens(setting.value), _tokens(read)
+        if asked[-len(found) :] != found:
+            raise InputError(
+                f"{self.name}/{setting.file}: {setting.entry}: stays {one_line(read, 40)} with "
+                f"--set {setting}, since what stands or is included behind it has the last word; "
+                "allowed: the entry that acts"
+            )
 
     def file_hashes(self) -> dict[str, str]:
-        """SHA-256 of each of the case's input files, by its path within the case."""
-        return {
-            name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in _inputs(self.path)
-        }
+        """SHA-256 of each of the case's inputs: a file by its path within the case, a variable of
+        the environment as `$NAME`."""
+        return {name: hashlib.sha256(content).hexdigest() for name, content in self._contents()}
+
+    def _contents(self) -> Iterator[tuple[str, bytes]]:
+        for name, path in _inputs(self.path):
+            yield name, path.read_bytes()
+        for name, value in named_environment(self.path).items():
+            yield f"${name}", os.fsencode(value)
 
     def value(self, file: str, entry: str) -> str:
         """What an entry (`a/b/c` for nested ones) has for a value, on one line.
@@ -334,18 +405,47 @@ class Case:
         return in_words(getattr(found, "value", found))
 
     def fingerprint(self, settings: Iterable[Setting], np: int = 1) -> str:
-        """Hash of all that decides a run: the case's files, the settings, the processors."""
+        """Hash of all that decides a run: the case's inputs, the settings, the processors."""
         digest = hashlib.sha256()
-        for name, path in _inputs(self.path):
+        for name, content in self._contents():
             digest.update(name.encode() + b"\0")
-            digest.update(path.read_bytes() + b"\0")
-        digest.update(repr([*settings, np]).encode())
+            digest.update(content + b"\0")
+        settings = list(settings)
+        # runs of an elutria that did not set these in 0 are others
+        started = [one.file for one in settings if len(_with_start(one.file)) > 1]
+        digest.update(repr([*settings, *started, np]).encode())
         return digest.hexdigest()
 
 
 def _patch_type(patch: object) -> str:
     """What a mesh's file says of a patch; empty where it says nothing."""
     return str(patch.get("type", "")) if isinstance(patch, Mapping) else ""
+
+
+def _is_program(file: str) -> bool:
+    return file in MESH_SCRIPTS or Path(file).suffix in (".py", ".sh")
+
+
+def _with_start(file: str) -> list[str]:
+    """A file of a case, and with a field of 0.orig the one in 0 that is made of it."""
+    folder, _, name = file.partition("/")
+    return [file, f"0/{name}"] if folder == "0.orig" else [file]
+
+
+def _tokens(value: str) -> list[float | str]:
+    """The numbers and words of a value, without its dimensions: alike where it says the same."""
+    words = re.sub(r"\[[^\]]*\]|[()\"]|\buniform\b", " ", value).split()
+    return [_number_or_word(_SWITCHES.get(word, word)) for word in words]
+
+
+_SWITCHES = {"on": "yes", "true": "yes", "off": "no", "false": "no"}
+
+
+def _number_or_word(word: str) -> float | str:
+    try:
+        return float(f"{float(word):.11g}")
+    except ValueError:
+        return word
 
 
 def _is_time(name: str) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from elutria import tables
-from elutria.classification.events import Events, Run
+from elutria.classification.events import DRAIN_TIME, Events, Run
 from elutria.classification.fit import LEVELS, PartitionFit, fit_partition
 from elutria.classification.notes import notes
 from elutria.classification.partition import Cut, SizeClass, class_limits, partition_table
@@ -41,6 +41,7 @@ class Classification:
     curves: list[Row] = field(default_factory=list)
     products: list[Row] = field(default_factory=list)
     axes: tuple[str, ...] = ()
+    ended_by: str = DRAIN_TIME
 
     def with_settings(self, values: Mapping[str, float | str]) -> Classification:
         """The same rows, each with these settings."""
@@ -54,7 +55,7 @@ class Classification:
     def notes(self) -> list[Warned]:
         """What a user must know of these rows, which are of one velocity."""
         names = tables.product_names(self.partition, self.product_partition)
-        return notes(self.summary, self.partition, self.curves, names["coarse"])
+        return notes(self.summary, self.partition, self.curves, names["coarse"], self.ended_by)
 
     def extend(self, other: Classification) -> None:
         """Append another point's rows."""
@@ -87,7 +88,7 @@ def classify(
     `warned`: the warnings that the solver has of it; those of the rows themselves are added.
     `model_errors`: relative ones of d50 by material, nan where they are not known.
     """
-    result = Classification()
+    result = Classification(ended_by=run.ended_by)
     names = [name for name in run.accounts if name != "all"]
     fits = {name: fit_events(run.events.of_material(name)) for name in names}
     # one material: `all` is the same events

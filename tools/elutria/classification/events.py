@@ -130,12 +130,17 @@ class Account:
         return abs(fed - left - self.inside[1]) / fed if fed > 0 else 0.0
 
 
+DRAIN_TIME, END_TIME = "drainTime of constant/feed", "endTime of system/controlDict"
+
+
 @dataclass(frozen=True)
 class Run:
-    """A finished run's events and its accounts by material, with ``all``."""
+    """A finished run's events and its accounts by material, with ``all``; `ended_by` is the entry
+    that ended it where something is inside."""
 
     events: Events
     accounts: dict[str, Account]
+    ended_by: str = DRAIN_TIME
 
 
 def join(runs: list[Run]) -> Run:
@@ -145,7 +150,8 @@ def join(runs: list[Run]) -> Run:
     first = runs[0].events
     events = replace(first, **{name: _concatenate(columns) for name, columns in parts.items()})
     names = [name for name in runs[0].accounts if all(name in run.accounts for run in runs)]
-    return Run(events, {name: _sum([run.accounts[name] for run in runs]) for name in names})
+    accounts = {name: _sum([run.accounts[name] for run in runs]) for name in names}
+    return Run(events, accounts, runs[0].ended_by)
 
 
 def _concatenate(columns: list[Any]) -> Any:
@@ -203,7 +209,16 @@ def read_run(case: Path) -> Run:
         partition_to=_partition_to(ledger, places[:-1], ledger_file),
     )
     _compare(events, accounts["all"], _section(ledger, "total", ledger_file), folder)
-    return Run(events, accounts)
+    return Run(events, accounts, _ended_by(folder, ledger))
+
+
+def _ended_by(folder: Path, ledger: dict[str, Any]) -> str:
+    """The drain time, or the end of the clock where that came before."""
+    try:
+        over = read_json(folder / "plan.json")["feed"]["run_ends_s"]
+        return END_TIME if over is None or ledger["time_s"] < over * (1 - 1e-6) else DRAIN_TIME
+    except (InputError, KeyError, TypeError):  # without a plan, as runs of earlier versions
+        return DRAIN_TIME
 
 
 def _outlet_files(folder: Path) -> list[Path]:

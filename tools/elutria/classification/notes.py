@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import log
+from math import isfinite, log
 from typing import Any
 
+from elutria.classification.events import DRAIN_TIME
 from elutria.warned import Warned
 
 
@@ -14,12 +15,20 @@ def notes(
     partition: Iterable[Mapping[str, Any]],
     curves: Iterable[Mapping[str, Any]],
     coarse: str = "coarse",
+    ended_by: str = DRAIN_TIME,
 ) -> list[Warned]:
-    """The warnings that follow from the rows of one gas velocity. `coarse`: the curve's product."""
-    return [*inside(partition), *absent(summary, curves, coarse)]
+    """The warnings that follow from the rows of one gas velocity. `coarse`: the curve's product;
+    `ended_by`: the entry that ended the run."""
+    summary = list(summary)
+    return [*inside(summary, partition, ended_by), *absent(summary, curves, coarse)]
 
 
-def inside(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[Warned]:
+def inside(
+    summary: Iterable[Mapping[str, Any]],
+    partition: Iterable[Mapping[str, Any]],
+    ended_by: str,
+    limit: float = 0.01,
+) -> list[Warned]:
     """A warning where what had not left is more than `limit` of the feed's mass, or leaves d50 open
     by more than that: were all of it coarse, or all of it fines. Rows of one gas velocity."""
     here = [row for row in partition if row["material"] == "all"]
@@ -35,13 +44,15 @@ def inside(partition: Iterable[Mapping[str, Any]], limit: float = 0.01) -> list[
     if max(share, shift) <= limit:
         return []
     worst = max(here, key=lambda row: row["inside_kg"])
+    has_cut = any(isfinite(row["d50_m"]) for row in summary)
+    moved = f"; d50 may shift by up to {100 * shift:.3g} %" if has_cut else ""
     return [
         Warned(
             name="inside",
             what="a part of the feed is still in the column and left out of the curve",
             how_much=f"{100 * share:.3g} % of its mass, most of it near "
-            f"{worst['diameter_m'] * 1e6:.3g} um; d50 may shift by up to {100 * shift:.3g} %",
-            what_to_set="increase drainTime of constant/feed",
+            f"{worst['diameter_m'] * 1e6:.4g} um{moved}",
+            what_to_set=f"increase {ended_by}",
             size=max(share, shift),
         )
     ]

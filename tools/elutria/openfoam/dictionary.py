@@ -384,7 +384,9 @@ def set_entry(path: Path, entry: str, text: str, case: Path | None = None) -> No
             )
         current = current[key]
     value = _one_value(shown, entry, text)
-    with writing_to(path.parent), FoamFile(path) as file:
+    # of an entry that is there twice the last is set, and read
+    silent = warnings.catch_warnings(action="ignore")
+    with writing_to(path.parent), silent, FoamFile(path) as file:
         file[(keys[0], *keys[1:])] = value
 
 

@@ -1,5 +1,6 @@
-"""Files that a case's dictionaries name and that lie outside of its dictionaries' folders: what
-they include, and what an entry `file` names. A run depends on them as on the case's own."""
+"""What a case's dictionaries name and that lies outside of their folders: files that they include,
+those that an entry `file` names, and variables of the environment. A run depends on them as on the
+case's own files."""
 
 from __future__ import annotations
 
@@ -20,6 +21,9 @@ _NAMED = re.compile(
         | "(?:\\.|[^"\\\n])*" | //[^\n]* | /\*.*?\*/""",
     re.DOTALL | re.VERBOSE,
 )
+_VARIABLE = re.compile(r"\$\{?(\w+)")
+_OF_OPENFOAM = ("FOAM_", "WM_")
+"""How variables of an installation begin: another place of it is no other input."""
 
 
 def named_elsewhere(case: Path) -> dict[str, Path]:
@@ -28,6 +32,18 @@ def named_elsewhere(case: Path) -> dict[str, Path]:
     for file in dictionaries(case):
         _follow(case.resolve(), file.resolve(), _text(file), found, 0)
     return found
+
+
+def named_environment(case: Path) -> dict[str, str]:
+    """The environment's variables that the dictionaries may take by `$NAME`, with their values."""
+    files = [*dictionaries(case), *named_elsewhere(case).values()]
+    texts = [_text(file) for file in files if file.stat().st_size <= LARGEST_DICTIONARY]
+    names = {name for text in texts for name in _VARIABLE.findall(text)}
+    return {
+        name: os.environ[name]
+        for name in sorted(names & set(os.environ))
+        if not name.startswith(_OF_OPENFOAM)
+    }
 
 
 def name_the_same(case: Path, copy: Path) -> None:
@@ -98,7 +114,9 @@ def _target(case: Path, file: Path, match: re.Match[str]) -> Path | None:
     name = match["quoted"] or match["bare"]
     if name is None:
         return None
-    name = in_case(name, case)
+    name = os.path.expandvars(in_case(name, case))
+    if name.startswith("~/"):
+        name = str(Path.home() / name.removeprefix("~/"))
     if "$" in name or name.startswith(("~", "<")):
         return None
     within = case if match["how"] == "file" else file.parent

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import tempfile
@@ -16,6 +17,12 @@ from elutria.openfoam.mesh import FILES
 from elutria.openfoam.started import started_in
 
 PLAN, MESH = "system/blockMeshDict", "constant/polyMesh"
+OF_THE_MESH = re.compile(
+    r"(system/(.*Mesh.*Dict.*|meshDict|(surface|topoSet|create|refineMesh|mirrorMesh).*Dict.*"
+    r"|.*ExtrudeMesh.*)|constant/(polyMesh|triSurface|geometry|extendedFeatureEdgeMesh)/.*"
+    r"|.*\.(stl|stlb|obj|vtk|eMesh|nas|py|sh)(\.gz)?)"
+)
+"""Files that programs which make the mesh read."""
 
 
 def is_stale(case: Path) -> bool:
@@ -28,15 +35,16 @@ def keeps_mesh(case: Path) -> bool:
     """Whether a run takes constant/polyMesh as it is.
 
     It does where there is no system/blockMeshDict, or an older one of which blockMesh makes another
-    mesh. Raises InputError where that is so but a file that the blockMeshDict includes is newer:
-    the mesh may be the case's own, or an old one.
+    mesh. Raises InputError where that is so but a file that the blockMeshDict includes is newer, or
+    all of system is: the mesh may be the case's own, or an old one.
     """
     made = _made(case)
     if made is None:
         return False
     if not (case / PLAN).is_file():
         return True
-    if is_stale(case):
+    copied = is_stale(case) and _is_all_newer(case, made)
+    if is_stale(case) and not copied:
         return False
     state = tuple(
         (path.name, path.stat().st_mtime_ns)
@@ -45,16 +53,29 @@ def keeps_mesh(case: Path) -> bool:
     )
     if _is_made(case.resolve(), state):
         return False
+    if copied:
+        raise _unclear(case, f"is not what {PLAN} makes, and a copy of the case has lost which of "
+                       "both is newer")  # fmt: skip
     answer = ask(case, PLAN)
     for name in answer.included if answer else []:
         included = case / "system" / name
         if included.is_file() and included.stat().st_mtime > made:
-            raise InputError(
-                f"{case.resolve().name}/{MESH}: is not what {PLAN} makes, which includes {name}, "
-                f"which is newer; allowed: without {MESH}, without {PLAN}, or with an Allmesh that "
-                "makes the mesh"
-            )
+            raise _unclear(case, f"is not what {PLAN} makes, which includes {name}, which is newer")
     return True
+
+
+def _is_all_newer(case: Path, made: float) -> bool:
+    """Whether all of system is newer than the mesh, as in a copy that took constant first; who
+    changes the blockMeshDict leaves other files as old as they are."""
+    files = (path for path in case.glob("system/*") if path.is_file())
+    return all(path.stat().st_mtime >= made for path in files)
+
+
+def _unclear(case: Path, why: str) -> InputError:
+    return InputError(
+        f"{case.resolve().name}/{MESH}: {why}; allowed: without {MESH}, without {PLAN}, or with an "
+        "Allmesh that makes the mesh"
+    )
 
 
 def _made(case: Path) -> float | None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from elutria.output.settings import Row, Settings, column, materials_of, spoken
+from elutria.output.settings import Array, Row, Settings, column, materials_of, spoken
 from elutria.output.style import (
     LINES,
     MARKERS,
@@ -18,7 +18,7 @@ from elutria.output.style import (
     log_if_wide,
     new_figure,
 )
-from elutria.tables import VELOCITY, short
+from elutria.tables import VELOCITY, short, shown
 
 Series = tuple[str, tuple[Any, ...]]
 
@@ -33,21 +33,33 @@ def cut_size_figure(settings: Settings, summary: list[Row], lines: list[Row]) ->
             key = (row["material"], tuple(row[name] for name in others))
             series.setdefault(key, []).append(row)
     figure, (axes,) = new_figure(62 + 4 * (len(series) if len(series) > 1 else 0) // 2)
-    for number, ((_, _), rows) in enumerate(series.items()):
-        _draw(axes, sorted(rows, key=lambda row: row[along]), along, number)
+    words = words_of(settings, along)
+    for number, rows in enumerate(series.values()):
+        at = [float(words.index(row[along]) if words else row[along]) for row in rows]
+        _draw(axes, rows, np.array(at), number)
     if along == VELOCITY and lines:
         _draw_theory(axes, materials_of(summary), lines, [material for material, _ in series])
     axes.set_xlabel("gas velocity  $U$  (m/s)" if along == VELOCITY else short(along))
     axes.set_ylabel("cut size  $d_{50}$  (µm)")
-    _scale(axes, summary, along)
+    _scale(axes, "y", column(summary, "d50_m") * 1e6)
+    if words:
+        axes.set_xticks(range(len(words)), [shown(word) for word in words])
+        axes.set_xlim(-0.5, len(words) - 0.5)
+    else:
+        _scale(axes, "x", column(summary, along))
     names = [_name(key, others) for key in series] if len(series) > 1 else []
     _legend(figure, names, lines if along == VELOCITY else [])
     return figure
 
 
-def _draw(axes: Axes, rows: list[Row], along: str, number: int) -> None:
+def words_of(settings: Settings, along: str) -> list[Any]:
+    """The values of a setting that are not all numbers, which stand side by side; else none."""
+    values = settings.values(along)
+    return values if any(isinstance(value, str) for value in values) else []
+
+
+def _draw(axes: Axes, rows: list[Row], at: Array, number: int) -> None:
     colour = MATERIAL_COLOURS[number % len(MATERIAL_COLOURS)]
-    at = column(rows, along)
     cut, d25, d75, low, high = (
         column(rows, name) * 1e6 for name in ("d50_m", "d25_m", "d75_m", "d50_low_m", "d50_high_m")
     )
@@ -76,13 +88,11 @@ def _draw_theory(axes: Axes, materials: list[str], lines: list[Row], drawn: list
         )  # fmt: skip
 
 
-def _scale(axes: Axes, summary: list[Row], along: str) -> None:
+def _scale(axes: Axes, axis: str, values: Array) -> None:
     """From 0, or logarithmic where a decade is crossed."""
-    for axis, name, factor in (("x", along, 1.0), ("y", "d50_m", 1e6)):
-        values = column(summary, name) * factor
-        values = values[np.isfinite(values) & (values > 0)]
-        if not values.size or not log_if_wide(axes, values.min(), values.max(), axis):
-            axes.set(**{f"{axis}lim": (0, None)})
+    values = values[np.isfinite(values) & (values > 0)]
+    if not values.size or not log_if_wide(axes, values.min(), values.max(), axis):
+        axes.set(**{f"{axis}lim": (0, None)})
 
 
 def _name(key: Series, others: list[str]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import re
@@ -15,7 +14,7 @@ import numpy as np
 from elutria import tables
 from elutria.case.case import SEED, VELOCITY, Case, Setting
 from elutria.errors import InputError, one_line
-from elutria.files import read_text
+from elutria.files import read_rows
 
 _MOST = 1000
 
@@ -171,10 +170,10 @@ def grid(case: Case, velocity: str | None, axes: Iterable[str]) -> list[Point]:
 
 def read_points(case: Case, file: Path) -> list[Point]:
     """A point for each row of a csv file, with columns gas_velocity_m_s or FILE:ENTRY."""
-    rows = [row for row in csv.reader(read_text(file).splitlines()) if row]
+    rows = read_rows(file)
     if len(rows) < 2:
         raise InputError(f"{file}: holds no points; allowed: a line of names, then a row per run")
-    names = [name.strip() for name in rows[0]]
+    names = [name.strip() for name in rows[0][1]]
     if {tables.VELOCITY, VELOCITY} <= {*names}:
         raise InputError(f"{file}: columns {tables.VELOCITY} and {VELOCITY}; allowed: one of both")
     for name in names:
@@ -188,7 +187,7 @@ def read_points(case: Case, file: Path) -> list[Point]:
                 )
             own_value(case, name, f"{file}: column")
     found = []
-    for number, row in enumerate(rows[1:], start=2):
+    for number, row in rows[1:]:
         if len(row) != len(names):
             raise InputError(f"{file}: line {number} has {len(row)} cells; allowed: {len(names)}")
         entries = {name: cell.strip() for name, cell in zip(names, row, strict=True)}

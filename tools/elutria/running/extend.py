@@ -6,7 +6,6 @@ folder is as it was.
 
 from __future__ import annotations
 
-import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -15,15 +14,10 @@ from pathlib import Path
 
 from elutria.case.case import Case, Setting
 from elutria.errors import InputError
+from elutria.openfoam.own_mesh import OF_THE_MESH
 from elutria.running.marker import FINISHED, MARKER, Identity, Marker
 
 _MAY = ("constant/", "system/")
-_OF_THE_MESH = re.compile(
-    r"(system/(.*Mesh.*Dict.*|meshDict|(surface|topoSet|create|refineMesh|mirrorMesh).*Dict.*"
-    r"|.*ExtrudeMesh.*)|constant/(polyMesh|triSurface|geometry|extendedFeatureEdgeMesh)/.*"
-    r"|.*\.(stl|stlb|obj|vtk|eMesh|nas|py|sh)(\.gz)?)"
-)
-"""Files that programs which make the mesh read; a run that goes on keeps its mesh."""
 
 
 @contextmanager
@@ -62,7 +56,7 @@ def _changed(copy: Case, before: Identity, now: Identity) -> list[str]:
     changed |= {setting.partition(":")[0] for setting in settings}
     for name in sorted(changed):
         there = (copy.path / name).is_file()
-        if not there or not name.startswith(_MAY) or _OF_THE_MESH.fullmatch(name):
+        if not there or not name.startswith(_MAY) or OF_THE_MESH.fullmatch(name):
             raise InputError(
                 f"{name}: has changed since the run began, which cannot go on with it; allowed: "
                 "the file as it was, or a run in another folder with --to"

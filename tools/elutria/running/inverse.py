@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isclose
 from pathlib import Path
 
 from elutria import tables
@@ -40,7 +41,7 @@ def answer(
         if done.failures:
             raise ElutriaError("; ".join(f"{k}: {v}" for k, v in done.failures.items()))
         made = done.tables
-        rows = [row for row in made.summary if _value(row, asked, case) == value]
+        rows = [row for row in made.summary if _is(_value(row, asked, case), value)]
         return next(_cut(row, value) for row in rows if row["material"] == asked.material)
 
     known = _known(folder, asked, case) if results.before else []
@@ -86,6 +87,11 @@ def _value(row: Row, asked: Asked, case: Case) -> float | str | None:
     own = number_or_word(own_value(case, asked.name))
     value: float | str = row.get(asked.name, own)
     return value
+
+
+def _is(found: float | str | None, value: float) -> bool:
+    """Whether a table's value is this one, in the digits that a table has."""
+    return isinstance(found, float) and isclose(found, value, rel_tol=1e-8)
 
 
 def _cut(row: Row, value: float) -> Cut:

@@ -284,13 +284,17 @@ def plans(case: Case, settings: Iterable[Iterable[Setting]]) -> list[dict[str, A
     are made two at a time, since each holds the mesh."""
     _need_programs(1)
     with tempfile.TemporaryDirectory() as folder:
+        each = [list(chosen) for chosen in settings]
         first, *others = [
             case.copy_to(Path(folder) / str(number) / case.name, chosen)
-            for number, chosen in enumerate(settings)
+            for number, chosen in enumerate(each)
         ]
         found = [_plan(case, first, None)]
         with ThreadPoolExecutor(2) as pool:
-            return found + list(pool.map(lambda copy: _plan(case, copy, first), others))
+            found += pool.map(lambda copy: _plan(case, copy, first), others)
+    for chosen, plan in zip(each, found, strict=True):
+        _require_read(case, chosen, plan)
+    return found
 
 
 def _plan(case: Case, copy: Case, meshed: Case | None) -> dict[str, Any]:
@@ -305,6 +309,19 @@ def _plan(case: Case, copy: Case, meshed: Case | None) -> dict[str, Any]:
     except ElutriaError as error:
         raise InputError(_refusal(case, copy, str(error))) from error
     return read_plan(copy.path)
+
+
+def _require_read(case: Case, settings: Iterable[Setting], plan: dict[str, Any]) -> None:
+    """Raise InputError for a setting of a file that the solver does not use: it would change
+    nothing but the label of a result."""
+    unused = {what: why for kind, what, why in plan.get("decisions", []) if kind == "not used"}
+    for setting in settings:
+        why = unused.get(re.sub(r"^0\.orig/", "0/", setting.file))
+        if why is not None:
+            raise InputError(
+                f"{case.name}/{setting.file}: {setting.entry}: is not used ({why}), so that its "
+                "value changes nothing; allowed: an entry that acts"
+            )
 
 
 def _refusal(case: Case, copy: Case, said: str) -> str:

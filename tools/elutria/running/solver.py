@@ -144,7 +144,18 @@ def follow(folder: Path, command: list[str], log: str, on_step: Callable[[Step],
     code = runner.run.returncode
     return Outcome(
         complete=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,
-        reason=runner.failed,
+        reason=runner.failed or _killed(code),
         exit_code=code,
         interrupted=bool(result.get("interrupted")),
     )
+
+
+def _killed(code: int) -> str:
+    """What ended a program with this exit code, its own or mpirun's; empty unless by a signal."""
+    number = -code if code < 0 else code - 128
+    try:
+        name = signal.Signals(number).name
+    except ValueError:
+        return ""
+    why = ", as the system does where memory is short" if name == "SIGKILL" else ""
+    return f"it was killed ({name}{why}); the same command goes on from the last time written"
