@@ -146,7 +146,7 @@ def draw_bent(number: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
 @pytest.mark.parametrize("number", [1_000, 5_000, 20_000])
 def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int) -> None:
     """With many events the likeliest formula's d50 is one of two that lie 0.4 % apart."""
-    sets = 25
+    sets = 60
     fits = [fit_partition(*draw_bent(number, seed)) for seed in range(sets)]
     at = CUT * np.exp(np.array([-0.03, -0.01, 0, 0.01, 0.03]))
     truth = {0.25: -log(3) / 55, 0.5: 0.0, 0.75: (log(3) + 0.825) / 110}
@@ -412,7 +412,7 @@ def test_sharpness_has_an_interval_that_covers() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shape", ["two-step", "uneven", "fish-hook"])
+@pytest.mark.parametrize("shape", ["two-step", "fish-hook"])
 def test_intervals_cover_where_few_events_look_like_one_cut(shape: str) -> None:
     """Steps and hooks that some hundred events hardly tell from one wider cut. Two steps' sharpness
     was held by 86 % of these intervals, while two hinges of one steepness were all that a curve

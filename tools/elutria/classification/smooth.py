@@ -1,12 +1,13 @@
 """A partition curve without a formula, by penalised likelihood, and limits that cover the truth.
 
-The logit of T is a spline over ln d (spline.py) with a normal prior: bending of standard deviation
-`roughness`. Each roughness of a list gives a curve and its evidence, by Laplace's approximation;
-T and its limits are averages over the list. The limits of one roughness are those of the profile:
-the highest and the lowest T of all splines whose penalised ln L is within 1.92 of the best. Unlike
-standard deviations they stay sound where T is near 0 or 1.
+The logit of T is a spline over ln d (spline.py) with normal priors: bending of standard deviation
+`roughness`, and hinges. Each pair of a roughness and a hinges' prior gives a curve and its
+evidence, by Laplace's approximation; T and its limits are averages over the pairs. The limits of
+one pair are those of the profile: the highest and the lowest T of all splines whose penalised ln L
+is within 1.92 of the best. Unlike standard deviations they stay sound where T is near 0 or 1. The
+interval of the sharpness, which no direction of the coefficients follows, is that of likely curves.
 
-What no roughness knows is whether a small share of the finest goes to coarse whatever its size
+What no prior knows is whether a small share of the finest goes to coarse whatever its size
 (bypass), or of the coarsest to fines: limits reach as far as the events allow.
 """
 
@@ -95,7 +96,7 @@ class Trials:
 
 @dataclass(frozen=True)
 class Mode:
-    """The likeliest spline of one roughness, and the roughness' weight among all."""
+    """The likeliest spline of one prior, and the prior's weight among all."""
 
     penalty: Array
     coefficients: Array
@@ -130,7 +131,7 @@ class SmoothCurve:
 
     def draws(self, diameter: Array, number: int, random: np.random.Generator) -> Array:
         """T at `diameter` (n, m) of so many likely curves, (number, n): Laplace's approximation of
-        each roughness' posterior, as often as the roughness weighs."""
+        each prior's posterior, as often as the prior weighs."""
         rows = self.space.rows(np.log(diameter))
         return np.asarray(expit(self._drawn(number, random) @ rows.T))
 

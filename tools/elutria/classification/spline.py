@@ -23,8 +23,9 @@ HINGES = (0.8, 1.6, 3.2)
 one side. The knee of a bypass or of a hook may lie at any of them; a hinge at a single place made
 d50 too coarse by a third of half its interval."""
 HINGE_PRIORS = (1.0, 4.0)
-"""Standard deviations of the change of slope at a hinge, over the slope at the cut. A bypass takes
-the whole slope away, 1; each of two steps is several times as steep as the cut of both."""
+"""Standard deviations of the change of slope at the first hinge, over the slope at the cut; those
+of the others are smaller, as one over their distance. A bypass takes the whole slope away, 1; each
+of two steps is several times as steep as the one cut that both together are taken for."""
 SLOPE_PRIOR = 15.0
 """Standard deviation of the slope over 1/c: keeps a perfect cut's slope finite."""
 LEVEL_PRIOR = 50.0
@@ -88,7 +89,7 @@ class Space:
 
     def proper(self, hinge: float) -> Array:
         """Precision (size, size) of what bending leaves free: mean logit, slope, and the hinges'
-        changes of slope with standard deviation `hinge`."""
+        changes of slope, of standard deviation `hinge` at the first."""
         u = np.linspace(*self.ends, 201)
         rows, near = self._splines(u, 0), np.cosh(u) ** -2
         near /= near.sum()

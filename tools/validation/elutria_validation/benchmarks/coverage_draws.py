@@ -148,7 +148,7 @@ def _other(
     if shape == "three-step":
         apart = random.uniform(0.1, 0.2)
         return Curve(
-            lambda y, p: sum(cut(y, p[0] + k * p[2], p[1]) for k in (-1, 0, 1)) / 3,
+            lambda y, p: np.mean([cut(y, p[0] + k * p[2], p[1]) for k in (-1, 0, 1)], axis=0),
             np.array([*own, apart]),
         )
     if shape == "uneven":
