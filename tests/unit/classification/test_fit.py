@@ -19,6 +19,7 @@ from elutria.classification.fit import (
     fit_partition,
     relative_weights,
 )
+from elutria_validation.benchmarks.coverage_draws import measure
 
 Array = NDArray[np.float64]
 CUT = 700e-6
@@ -145,7 +146,7 @@ def draw_bent(number: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
 @pytest.mark.parametrize("number", [1_000, 5_000, 20_000])
 def test_a_curve_that_no_formula_describes_is_known_as_well_as_said(number: int) -> None:
     """With many events the likeliest formula's d50 is one of two that lie 0.4 % apart."""
-    sets = 25
+    sets = 60
     fits = [fit_partition(*draw_bent(number, seed)) for seed in range(sets)]
     at = CUT * np.exp(np.array([-0.03, -0.01, 0, 0.01, 0.03]))
     truth = {0.25: -log(3) / 55, 0.5: 0.0, 0.75: (log(3) + 0.825) / 110}
@@ -192,14 +193,15 @@ def test_bands_cover_the_curve_as_often_as_they_say() -> None:
         _, low, high = fit.band(sizes)
         hits += (low <= truth) & (truth <= high)
     assert np.all(hits / 120 >= 0.90), hits / 120
-    assert 0.93 <= hits.mean() / 120 <= 0.97, hits / 120
+    assert 0.93 <= hits.sum() / (120 * hits.size) <= 0.97, hits / 120
 
 
 def test_more_events_know_more() -> None:
+    """The single interval of 400 events scatters by a third: the mean of eight."""
+
     def width(number: int) -> float:
-        fit = fit_partition(*draw(MODELS[0], 2.0, 0.0, number, seed=5))
-        _, low, high = fit.sizes[0.5]
-        return float(np.log(high / low))
+        fits = [fit_partition(*draw(MODELS[0], 2.0, 0.0, number, seed)) for seed in range(5, 13)]
+        return float(np.mean([np.log(high / low) for _, low, high in map(_at(0.5), fits)]))
 
     assert width(400) / width(6_400) == pytest.approx(4, rel=0.4)
 
@@ -407,6 +409,21 @@ def test_sharpness_has_an_interval_that_covers() -> None:
     fits = [fit_partition(*draw(MODELS[0], log(20), 0.0, 600, seed)) for seed in range(20)]
     assert sum(low <= true <= high for _, low, high in (f.sharpness_interval for f in fits)) >= 17
     assert all(fit.sharpness_interval[0] == pytest.approx(fit.sharpness) for fit in fits)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", ["two-step", "fish-hook"])
+def test_intervals_cover_where_few_events_look_like_one_cut(shape: str) -> None:
+    """Steps and hooks that some hundred events hardly tell from one wider cut. Two steps' sharpness
+    was held by 86 % of these intervals, while two hinges of one steepness were all that a curve
+    had; no curve may be known better than a fit of its own formula knows it."""
+    rows = [measure(shape, 300, seed) for seed in range(80)]
+    held = {
+        name: np.mean([row[name] for row in rows if name in row])
+        for name in ("d25", "d50", "d75", "sharpness")
+    }
+    assert min(held.values()) > 0.91, held
+    assert sum(row["width"] for row in rows) > sum(row["ideal"] for row in rows)
 
 
 def test_parcels_that_enter_together_and_fare_alike_widen_the_intervals() -> None:

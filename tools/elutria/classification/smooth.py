@@ -1,12 +1,13 @@
 """A partition curve without a formula, by penalised likelihood, and limits that cover the truth.
 
-The logit of T is a spline over ln d (spline.py) with a normal prior: bending of standard deviation
-`roughness`. Each roughness of a list gives a curve and its evidence, by Laplace's approximation;
-T and its limits are averages over the list. The limits of one roughness are those of the profile:
-the highest and the lowest T of all splines whose penalised ln L is within 1.92 of the best. Unlike
-standard deviations they stay sound where T is near 0 or 1.
+The logit of T is a spline over ln d (spline.py) with normal priors: bending of standard deviation
+`roughness`, and hinges. Each pair of a roughness and a hinges' prior gives a curve and its
+evidence, by Laplace's approximation; T and its limits are averages over the pairs. The limits of
+one pair are those of the profile: the highest and the lowest T of all splines whose penalised ln L
+is within 1.92 of the best. Unlike standard deviations they stay sound where T is near 0 or 1. The
+interval of the sharpness, which no direction of the coefficients follows, is that of likely curves.
 
-What no roughness knows is whether a small share of the finest goes to coarse whatever its size
+What no prior knows is whether a small share of the finest goes to coarse whatever its size
 (bypass), or of the coarsest to fines: limits reach as far as the events allow.
 """
 
@@ -14,21 +15,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from math import exp, inf, log, nan
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq, minimize
+from scipy.optimize import brentq
 from scipy.special import expit, log_expit, logit, logsumexp, ndtr
 
-from elutria.classification.spline import Space
+from elutria.classification.spline import HINGE_PRIORS, Space
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Interval = tuple[float, float, float]
 
-ROUGHNESS = (0.1, 0.3, 1.0, 3.0, 10.0)
+ROUGHNESS = (0.3, 1.0, 3.0, 10.0)
 """Standard deviations of the logit's bending per unit of u, from a formula's to a staircase's."""
 LIMIT = 1.959964
 """Standard deviations of a 95 % interval's end."""
@@ -42,10 +44,16 @@ PIECES = (13, 2.0)
 """Pieces of the spline: a number, and a number per cube root of the effective number of events."""
 BINS = 8
 """Bins per piece."""
-TRUST = 0.5
-"""Power of the evidence in a roughness' weight: Laplace's approximation knows it roughly."""
+TRUST = 0.75
+"""Power of the evidence in a prior's weight: Laplace's approximation knows it roughly."""
 NEGLIGIBLE = 0.02
-"""Weight of a roughness below which it is left out."""
+"""Weight of a prior below which it is left out."""
+DRAWS = 1000
+"""Likely curves from which the interval of the sharpness is read."""
+CONVERGED = 1e-8
+"""Change of ln L, twice that which is left, at which a mode is found."""
+NEWTON = 100, 30
+"""Most rounds of the search for a mode, and halvings of a step."""
 ROUNDS = 15
 """Most rounds of the search for a limit."""
 GRID = 41
@@ -88,7 +96,7 @@ class Trials:
 
 @dataclass(frozen=True)
 class Mode:
-    """The likeliest spline of one roughness, and the roughness' weight among all."""
+    """The likeliest spline of one prior, and the prior's weight among all."""
 
     penalty: Array
     coefficients: Array
@@ -123,16 +131,9 @@ class SmoothCurve:
 
     def draws(self, diameter: Array, number: int, random: np.random.Generator) -> Array:
         """T at `diameter` (n, m) of so many likely curves, (number, n): Laplace's approximation of
-        each roughness' posterior, as often as the roughness weighs."""
+        each prior's posterior, as often as the prior weighs."""
         rows = self.space.rows(np.log(diameter))
-        weight = np.array([mode.weight for mode in self.modes])
-        found = []
-        for mode, often in zip(self.modes, random.multinomial(number, weight), strict=True):
-            hessian = self.trials.hessian(mode.penalty, mode.coefficients @ self.trials.rows.T)
-            scatter = random.standard_normal((int(often), self.space.size))
-            step = np.linalg.solve(np.linalg.cholesky(hessian).T, scatter.T).T
-            found.append(expit((mode.coefficients + step) @ rows.T))
-        return np.concatenate(found)
+        return np.asarray(expit(self._drawn(number, random) @ rows.T))
 
     def size(self, level: float, interval: bool = True) -> Interval:
         """The largest size (m) of which less than `level` goes to coarse, and its interval.
@@ -156,15 +157,26 @@ class SmoothCurve:
     def sharpness(self) -> Interval:
         """d25/d75 and its interval; nan where the curve does not cross both levels."""
         d25, d75 = (self.size(level, interval=False)[0] for level in (0.25, 0.75))
-        known = [(mode, self._log_width(mode.coefficients)) for mode in self.modes]
-        found = [(mode, own, *self._widths(mode, own[1])) for mode, own in known if own is not None]
-        if not d25 < d75 or not found:
+        y, rows = self._grid
+        lines = self._drawn(DRAWS, np.random.default_rng(0)) @ rows.T
+        low, high = (_last_crossings(y, lines - logit(level)) for level in (0.25, 0.75))
+        known = np.isfinite(low) & np.isfinite(high)
+        if not d25 < d75 or not known.any():
             return nan, nan, nan
-        weight = np.array([mode.weight for mode, *_ in found])
-        weight /= weight.sum()
-        own, low, high = np.array([(own[0], low, high) for _, own, low, high in found]).T
-        narrow, wide = -_mixture(weight, -own, -low), _mixture(weight, own, high)
-        return d25 / d75, exp(-exp(wide)), exp(-exp(narrow))
+        value = d25 / d75
+        ends = np.exp(np.quantile((low - high)[known], [1 - ndtr(LIMIT), ndtr(LIMIT)]))
+        return value, min(float(ends[0]), value), max(float(ends[1]), value)
+
+    def _drawn(self, number: int, random: np.random.Generator) -> Array:
+        """Coefficients (number, size) of likely curves, as `draws` has them."""
+        weight = np.array([mode.weight for mode in self.modes])
+        found = []
+        for mode, often in zip(self.modes, random.multinomial(number, weight), strict=True):
+            hessian = self.trials.hessian(mode.penalty, mode.coefficients @ self.trials.rows.T)
+            scatter = random.standard_normal((int(often), self.space.size))
+            step = np.linalg.solve(np.linalg.cholesky(hessian).T, scatter.T).T
+            found.append(mode.coefficients + step)
+        return np.concatenate(found)
 
     @cached_property
     def _grid(self) -> tuple[Array, Array]:
@@ -215,36 +227,6 @@ class SmoothCurve:
         coarse = self.trials.coarse
         return _misplaced(line, coarse, fines), _misplaced(-line, fines, coarse)
 
-    def _log_width(self, coefficients: Array) -> tuple[float, Array] | None:
-        """ln(ln d75/d25) of a spline and its derivatives; None where it does not cross both."""
-        y, rows = self._grid
-        line = rows @ coefficients
-        at, moved = np.empty(2), np.empty((2, coefficients.size))
-        for k, level in enumerate((0.25, 0.75)):
-            crossing = _last_crossing(y, line - logit(level))
-            if crossing is None:
-                return None
-            below = int(np.searchsorted(y, crossing)) - 1
-            slope = (line[below + 1] - line[below]) / (y[below + 1] - y[below])
-            share = (crossing - y[below]) / (y[below + 1] - y[below])
-            at[k] = crossing
-            moved[k] = ((share - 1) * rows[below] - share * rows[below + 1]) / slope
-        width = float(at[1] - at[0])
-        return (log(width), (moved[1] - moved[0]) / width) if width > 0 else None
-
-    def _widths(self, mode: Mode, row: Array) -> tuple[float, float]:
-        """The smallest and the largest ln(ln d75/d25) of the likely splines of one roughness."""
-        directions, found = np.array([-row, row]), None
-        values = [inf, -inf]
-        for _ in range(3):  # linear about the last
-            found = farthest(self.trials, mode, directions, found)
-            for k, better in enumerate((min, max)):
-                own = self._log_width(found[k])
-                if own is not None:
-                    values[k] = better(values[k], own[0])
-                    directions[k] = (-1, 1)[k] * own[1]
-        return values[0], values[1]
-
 
 def smooth_curve(
     log_diameter: Array, coarse: Flags, weight: Array, cut: float, width: float
@@ -254,23 +236,25 @@ def smooth_curve(
     pieces = int(PIECES[0] + PIECES[1] * weight.sum() ** (1 / 3))
     space = Space(cut, width, float(log_diameter.min()), float(log_diameter.max()), pieces)
     trials = _trials(space, log_diameter, coarse, weight)
-    roughness, proper = space.roughness(), space.proper()
     y = space.grid(200)
     straight = np.clip((y - cut) / width, -SATURATED, SATURATED)
     start = np.asarray(np.linalg.lstsq(space.rows(y), straight, rcond=None)[0], dtype=float)
+    return SmoothCurve(space, trials, _modes(space, trials, start))
+
+
+def _modes(space: Space, trials: Trials, start: Array) -> tuple[Mode, ...]:
+    """Of each prior that is not negligible beside the others."""
     found, evidence = [], []
-    for sigma in ROUGHNESS:
-        penalty = roughness / sigma**2 + proper
-        start = _likeliest(trials, penalty, start)
-        lack, line = trials.lack(start, penalty)
-        curvature = np.linalg.slogdet(trials.hessian(penalty, line))[1]
-        evidence.append(-float(lack) + 0.5 * (np.linalg.slogdet(penalty)[1] - curvature))
-        found.append((penalty, start, float(lack)))
+    bending = space.roughness()
+    for hinge, sigma in product(HINGE_PRIORS, ROUGHNESS):
+        penalty = bending / sigma**2 + space.proper(hinge)
+        start, lack, curvature = _likeliest(trials, penalty, start)
+        evidence.append(-lack + 0.5 * (np.linalg.slogdet(penalty)[1] - curvature))
+        found.append((penalty, start, lack))
     chance = np.exp(TRUST * (np.array(evidence) - max(evidence)))
     chance[chance < NEGLIGIBLE * chance.sum()] = 0
     chance /= chance.sum()
-    modes = [Mode(*one, float(w)) for one, w in zip(found, chance, strict=True) if w > 0]
-    return SmoothCurve(space, trials, tuple(modes))
+    return tuple(Mode(*one, float(w)) for one, w in zip(found, chance, strict=True) if w > 0)
 
 
 def _trials(space: Space, log_diameter: Array, coarse: Flags, weight: Array) -> Trials:
@@ -294,32 +278,39 @@ def _trials(space: Space, log_diameter: Array, coarse: Flags, weight: Array) -> 
             (i, j)
             for i in range(space.size)
             for j in range(i, space.size)
-            if j < i + 4 or j >= space.size - 2  # splines meet three others, hinges all
+            if j < i + 4 or j >= space.splines  # splines meet three others, hinges all
         ]
     ).T
     return Trials(place, total, heavy, rows, (first, second), rows[:, first] * rows[:, second])
 
 
-def _likeliest(trials: Trials, penalty: Array, start: Array) -> Array:
-    def lack(x: Array) -> tuple[float, Array]:
-        value, line = trials.lack(x, penalty)
-        return float(value), trials.gradient(x, penalty, line)
+def _likeliest(trials: Trials, penalty: Array, start: Array) -> tuple[Array, float, float]:
+    """The likeliest coefficients (size), by Newton's method; their lack, ln det of its hessian."""
+    at = start
+    lack, line = trials.lack(at, penalty)
+    for _ in range(NEWTON[0]):
+        gradient, hessian = trials.gradient(at, penalty, line), trials.hessian(penalty, line)
+        step = np.linalg.solve(hessian, gradient)
+        gain = float(gradient @ step)
+        if gain < CONVERGED:
+            break
+        for halved in range(NEWTON[1]):
+            tried = at - step / 2**halved
+            value, there = trials.lack(tried, penalty)
+            if value < lack - 0.1 * gain / 2**halved:
+                break
+        at, lack, line = tried, value, there
+    return at, float(lack), float(np.linalg.slogdet(hessian)[1])
 
-    def hessian(x: Array) -> Array:
-        return trials.hessian(penalty, x @ trials.rows.T)
 
-    found = minimize(lack, start, jac=True, hess=hessian, method="trust-exact")
-    return np.asarray(found.x)
-
-
-def farthest(trials: Trials, mode: Mode, directions: Array, start: Array | None = None) -> Array:
+def farthest(trials: Trials, mode: Mode, directions: Array) -> Array:
     """Coefficients (n, size) farthest along each of `directions` (n, size) among those whose lack
     is within LIMIT^2/2 of the mode's.
 
     Each round takes the farthest point of the lack's quadratic model, in closed form. All
     directions are solved at once, which no optimiser of scipy does.
     """
-    found = np.tile(mode.coefficients, (directions.shape[0], 1)) if start is None else start.copy()
+    found = np.tile(mode.coefficients, (directions.shape[0], 1))
     todo = np.arange(directions.shape[0])
     for _ in range(ROUNDS):
         ahead, at = directions[todo], found[todo]
@@ -369,6 +360,16 @@ def _mixture(weight: Array, center: Array, end: Array) -> Array:
         below = weight @ ndtr((middle - center) / deviation) < level
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     return np.asarray((low + high) / 2)
+
+
+def _last_crossings(at: Array, values: Array) -> Array:
+    """The last places (m) where `values` (m, n) rise through 0; nan without any."""
+    rising = (values[:, :-1] < 0) & (values[:, 1:] >= 0)
+    last = rising.shape[1] - 1 - np.argmax(rising[:, ::-1], axis=1)
+    below, above = (np.take_along_axis(values, k[:, None], axis=1)[:, 0] for k in (last, last + 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        place = at[last] - below * (at[last + 1] - at[last]) / (above - below)
+    return np.asarray(np.where(rising.any(axis=1), place, nan))
 
 
 def _last_crossing(at: Array, value: Array) -> float | None:

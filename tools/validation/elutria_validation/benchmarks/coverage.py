@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from elutria.errors import InputError
 from elutria.output.style import MATERIAL_COLOURS, STYLE, new_figure
 from elutria_validation.benchmarks import coverage_draws as draws
-from elutria_validation.benchmarks.coverage_draws import EVENTS, PLACES, SHAPES, Row
+from elutria_validation.benchmarks.coverage_draws import EVENTS, OTHERS, PLACES, SHAPES, Row
 from elutria_validation.harness.job import Job, option
 from elutria_validation.harness.provenance import write_result
 
@@ -37,6 +37,7 @@ class Options:
     """Its own."""
 
     draws: int = option(1000, quick=20, least=1, unit="curves of a shape")
+    shapes: str = option(",".join(SHAPES), unit=f"also {', '.join(OTHERS)}; with commas between")
     events: str = option(",".join(map(str, EVENTS)), quick="300,3000", unit="with commas between")
     jobs: int = option(len(os.sched_getaffinity(0)), least=1, unit="processes")
 
@@ -46,12 +47,17 @@ def run(job: Job, options: Options) -> None:
     words = options.events.split(",")
     if not all(word.isdecimal() and int(word) >= 10 for word in words):
         raise InputError(f"--option events={options.events}; allowed: whole numbers >= 10")
+    shapes = options.shapes.split(",")
+    if not set(shapes) <= {*SHAPES, *OTHERS}:
+        raise InputError(
+            f"--option shapes={options.shapes}; allowed: {', '.join((*SHAPES, *OTHERS))}"
+        )
     events, folder = [int(word) for word in words], job.folder / "draws"
-    draws.run(folder, SHAPES, events, range(options.draws), options.jobs, job.say)
+    draws.run(folder, shapes, events, range(options.draws), options.jobs, job.say)
     rows = [
         table_row(shape, count, draws.read(folder, shape, count)[: options.draws])
         for count in events
-        for shape in SHAPES
+        for shape in shapes
     ]
     for row in rows:
         job.say(line(row))
@@ -104,7 +110,8 @@ def line(row: Row) -> str:
 def figure(rows: Sequence[Row]) -> Figure:
     """Coverage of band and sizes, and width over the ideal, against the number of events."""
     made, panels = new_figure(150, 3, sharex=True)
-    for shape, colour in zip(SHAPES, MATERIAL_COLOURS, strict=False):
+    shapes = dict.fromkeys(row["shape"] for row in rows)
+    for shape, colour in zip(shapes, MATERIAL_COLOURS, strict=False):
         mine = [row for row in rows if row["shape"] == shape]
         events = [row["events"] for row in mine]
         for axes, columns in zip(panels, (("band",), ("d50",), ("width_over_ideal",)), strict=True):
