@@ -54,7 +54,7 @@ PROMISED = 1.5
 @dataclass(frozen=True)
 class Options:
     """Its own. A dense scene feeds up to ten times as many. Fewer than 300 in the default column
-    are so heavy that the gas is solved on every step: that takes twenty times as long."""
+    are so heavy that the gas is solved on every step: that takes over ten times as long."""
 
     particles: int = option(1000, quick=400, least=100, unit="asked for in each first run")
 
