@@ -37,7 +37,7 @@ Row = dict[str, Any]
 
 SHAPES = ("smooth", "steep", "bypassed", "two-step", "fish-hook")
 OTHERS = ("three-step", "uneven", "shoulder", "hump")
-"""Shapes beside those, on which no constant of the fit rests: drawn where asked for."""
+"""Shapes beside those, drawn where asked for."""
 EVENTS = (100, 300, 1_000, 3_000, 10_000, 30_000)
 PLACES = (0.02, 0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95, 0.98)
 """Shares T at whose sizes a band is asked for; beyond the outer ones lie the ends."""
