@@ -23,7 +23,10 @@ from elutria.estimates.price import (
 
 PLAN: dict[str, Any] = {
     "mesh": {"cells": 10000, "volume_m3": 1e-3},
-    "gas": {"superficial_m_s": 5.0, "through_time_s": 0.1, "changes_at": 0.01},
+    "gas": {
+        "superficial_m_s": 5.0, "through_time_s": 0.1, "changes_at": 0.01,
+        "by_itself": {"what": "not known yet", "why": "it settles first"},
+    },
     "drag": {"forces": ["SchillerNaumannDrag"]},
     "feed": {"parcels": 5000, "start_s": 0, "end_s": 1, "run_ends_s": 7},
     "expected": {
@@ -88,6 +91,19 @@ def test_a_run_that_was_made_tells_what_the_same_costs() -> None:
     more = price(plan(parcels=10000), 1.0, [known]).processor_s
     ratio = model(work(plan(parcels=10000))) / model(work(PLAN))
     assert more == pytest.approx(30 * ratio)
+
+
+def test_gas_that_may_never_be_steady_has_a_price_until_a_run_is_known() -> None:
+    first = price(PLAN, 1.0)
+    assert first.unsteady_s > 10 * first.processor_s
+    asked = "; 8.9 min of processor where the gas is never steady"
+    assert in_words(Price(14, 14, 240, 6, unsteady_s=520), 1).endswith(asked)
+    assert "steady" not in in_words(Price(14, 14, 240, 6, unsteady_s=10), 1)
+    assert price(PLAN, 1.0, [spent(PLAN, 30.0, 1, 1)]).unsteady_s == 0
+    known = deepcopy(PLAN)
+    known["gas"]["by_itself"]["what"] = "solved on every step"
+    assert price(known, 1.0).unsteady_s == 0
+    assert (first + first).unsteady_s == 2 * first.unsteady_s
 
 
 def test_near_runs_say_more_than_far_ones_and_other_meshes_nothing() -> None:

@@ -14,6 +14,8 @@ from dataclasses import dataclass, fields
 from math import exp, inf, isfinite, log
 from typing import Any
 
+NOT_KNOWN = "not known yet"
+"""Of the gas by itself, in a plan: the run finds out."""
 MODEL = 1
 """Counts up when the rates or the count change: what was kept before says nothing then."""
 STAY = 8.0
@@ -49,13 +51,15 @@ class Work:
 
 @dataclass(frozen=True)
 class Price:
-    """Of one run, or of several: processor s, the time of the longest (s), memory and disk (MB)."""
+    """Of one run, or of several: processor s, the time of the longest (s), memory and disk (MB);
+    how many more processor s where the gas, of which that is not known, is never steady."""
 
     processor_s: float
     longest_s: float
     memory_mb: float
     disk_mb: float
     runs: int = 1
+    unsteady_s: float = 0.0
 
     def __add__(self, other: Price) -> Price:
         return Price(
@@ -64,6 +68,7 @@ class Price:
             max(self.memory_mb, other.memory_mb),
             self.disk_mb + other.disk_mb,
             self.runs + other.runs,
+            self.unsteady_s + other.unsteady_s,
         )
 
     def wall_s(self, at_once: int) -> float:
@@ -80,6 +85,8 @@ class Rates:
     start: float = 1.2
     settled: float = 1.7e-4
     solved: float = 5e-6
+    unsteady: float = 1.5e-5
+    """Of a cell in each step while the gas is never steady: it takes more iterations then."""
     steps: float = 9e-4
     moved: float = 5e-6
     collided: float = 1e-4
@@ -174,13 +181,16 @@ def price(plan: Mapping[str, Any], slowness: float, finished: Iterable[Spent] = 
     seconds = slowness * asked.model_s
     memory = 100.0 + 4e-3 * plan["mesh"]["cells"] + 1e-3 * asked.parcels
     disk = 1.0 + 5e-4 * plan["mesh"]["cells"] + 1.5e-4 * asked.parcels + 2.3e-4 * work(plan).steps
+    unsteady = 0.0
+    if not near and plan["gas"]["by_itself"]["what"] == NOT_KNOWN:
+        unsteady = slowness * RATES.unsteady * plan["mesh"]["cells"] * work(plan).steps
     if near:
         seconds = asked.model_s * _mean(
             (nearness, run.processor_s / run.model_s) for nearness, run in near
         )
         memory = _mean((nearness, run.memory_mb) for nearness, run in near)
         disk = _mean((nearness, run.disk_mb) for nearness, run in near)
-    return Price(seconds, seconds, memory, disk)
+    return Price(seconds, seconds, memory, disk, unsteady_s=unsteady)
 
 
 def _nearness(one: Spent, other: Spent) -> float:
@@ -201,13 +211,20 @@ def _mean(weighted: Iterable[tuple[float, float]]) -> float:
 
 
 def in_words(cost: Price, at_once: int) -> str:
-    """`12 runs: 4 min of processor, 2 min with 2 at a time, 0.5 GB of memory, 0.3 GB of disk`."""
+    """`12 runs: 4 min of processor, 2 min with 2 at a time, 0.5 GB of memory, 0.3 GB of disk`, and
+    what it may come to instead."""
     runs = f"{cost.runs} run{'s' if cost.runs != 1 else ''}"
     together = max(1, min(at_once, cost.runs))
     wall = duration(cost.wall_s(at_once)) + (f" with {together} at a time" if together > 1 else "")
     return (
         f"{runs}: {duration(cost.processor_s)} of processor, {wall}, "
         f"{amount(together * cost.memory_mb)} of memory, {amount(cost.disk_mb)} of disk"
+        + (
+            f"; {duration(cost.processor_s + cost.unsteady_s)} of processor where the gas is never "
+            "steady"
+            if cost.unsteady_s > cost.processor_s
+            else ""
+        )
     )
 
 

@@ -1,6 +1,6 @@
 """What a porous layer in the place of resolved bars does to the cut of the grating.
 
-Both models of the delivered case, fed within half a second and emptied for three, from the same
+Both models of the delivered case, fed within half a second and emptied for eight, from the same
 seed: pressure at the inlet, cut, sharpness, and how long grains touch the bars. A grain touches
 where its surface is nearer to a bar's than a twentieth of its radius, of all that are inside at all
 times of 50 ms. Differences are from the resolved bars.
@@ -39,7 +39,7 @@ COLUMNS = (
     "on_bars_change", "seconds",
 )  # fmt: skip
 MODELS = ("resolved", "porous")
-FEED_TIME, DRAIN_TIME, LOOK = 0.5, 3.0, 0.05
+FEED_TIME, DRAIN_TIME, LOOK = 0.5, 8.0, 0.05
 """s."""
 TOUCHES = 0.05
 """Of a radius: nearer is in contact."""
