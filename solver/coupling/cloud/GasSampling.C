@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/GasSampling.H"
+#include "core/forEach.hpp"
 #include "laws/SelfInducedVelocity.hpp"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
@@ -18,11 +19,21 @@
 #include "turbulenceModel.H"
 
 #include <algorithm>
+#include <memory>
 
 namespace Foam
 {
 
 namespace laws = elutria::laws;
+
+namespace
+{
+
+//- Parcels that a thread takes at a time
+constexpr size_t block = 256;
+
+} // End anonymous namespace
+
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
@@ -72,10 +83,10 @@ scalar GasSampling::readDisturbanceAge() const
 }
 
 
-void GasSampling::seedRandom(const StockParcel& p)
+Random GasSampling::randomOf(const StockParcel& p) const
 {
     const uint64_t seed = feed_ ? feed_->seed() : 0;
-    cloud_.rndGen() = Random
+    return Random
     (
         label
         (
@@ -93,35 +104,51 @@ void GasSampling::disperse
 (
     StockParcel& p,
     StockTracking& td,
+    Random& random,
     const point& place,
     const scalar effectiveMass,
     const scalar dt
 )
 {
-    if (inertialDispersion_)
+    if (!inertialDispersion_)
     {
-        const scalar mass = p.mass(), Re = p.Re(td);
-        const forceSuSp mean = forces_.coupled(p, td, dt, mass, Re);
-        const forceSuSp rest = forces_.nonCoupled(p, td, dt, mass, Re);
-        const scalar dragRate = max(mean.Sp(), VSMALL);
-
-        inertialDispersion_->relaxationTime = effectiveMass/dragRate;
-        inertialDispersion_->meanSlip = mag(rest.Su())/dragRate;
-        inertialDispersion_->offset = place - gas_[p.cell()].centre;
+        // OpenFOAM's take the cloud's numbers
+        cloud_.rndGen() = random;
+        p.calcDispersion(cloud_, td, dt);
+        random = cloud_.rndGen();
+        return;
     }
-    p.calcDispersion(cloud_, td, dt);
+    const scalar mass = p.mass(), Re = p.Re(td);
+    const forceSuSp mean = forces_.coupled(p, td, dt, mass, Re);
+    const forceSuSp rest = forces_.nonCoupled(p, td, dt, mass, Re);
+    const scalar dragRate = max(mean.Sp(), VSMALL);
+
+    td.Uc() += inertialDispersion_->fluctuation
+    (
+        random,
+        dt,
+        inertialDispersion_->turbulence(p.cell()),
+        {
+            effectiveMass/dragRate,
+            mag(rest.Su())/dragRate,
+            place - gas_[p.cell()].centre
+        },
+        p.UTurb(),
+        p.tTurb()
+    );
 }
 
 
 void GasSampling::sample
 (
-    StockParcel& p,
     StockTracking& td,
+    Random& random,
     StepParcels& step,
     const size_t i,
     const scalar whole
 )
 {
+    StockParcel& p = *step.parcels[i];
     if (!p.active())
     {
         rest(p, step, i);
@@ -132,7 +159,7 @@ void GasSampling::sample
     step.share[i] = 1 - p.stepFraction();
     const scalar dt = step.share[i]*whole;
 
-    step.start(i, p);
+    step.start(i);
     if (planar_)
     {
         step.starts[i] = p.position();
@@ -141,10 +168,10 @@ void GasSampling::sample
     const scalar effectiveMass = forces_.effectiveMass(p, td, mass);
     step.effectiveMass[i] = effectiveMass;
 
-    seedRandom(p);
+    random = randomOf(p);
     if (dispersing_)
     {
-        disperse(p, td, step.starts[i], effectiveMass, dt);
+        disperse(p, td, random, step.starts[i], effectiveMass, dt);
     }
     seeUndisturbedGas(p, td, dt);
 
@@ -198,7 +225,7 @@ void GasSampling::rest(StockParcel& p, StepParcels& step, const size_t i)
     p.U() = Zero;
     p.angularMomentum() = Zero;
     step.share[i] = 0;
-    step.start(i, p);
+    step.start(i);
     step.effectiveMass[i] = p.mass();
     step.cells[i] = p.cell();
     step.solids[i] = p.nParticle()*p.volume();
@@ -381,20 +408,86 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
 
     step.list(cloud_);
     step.particles.stepIndex = cloud_.time().timeIndex();
-    const std::vector<StockParcel*>& parcels = step.parcels;
-    const size_t last = parcels.size() - 1;
-    for (size_t i = 0; i < parcels.size(); ++i)
-    {
-        soonRead(*parcels[min(i + 2, last)]);
-        expectCell(*parcels[min(i + 1, last)]);
-        sample(*parcels[i], td, step, i, dt);
-    }
+    sampleAll(step, td, dt);
     if (disturbanceAge_ >= 0)
     {
         disturbanceAge_ += dt;
     }
     findSolidFractions(step);
     step.setLateAside();
+}
+
+
+unsigned GasSampling::threadsFor(const size_t parcels) const
+{
+    const bool shared =
+        contacts_ && readsCells_ && forces_.shared()
+     && (inertialDispersion_ || !dispersing_);
+    return
+        shared && parcels >= 2*block
+      ? contacts_->engine().settings().threads : 1;
+}
+
+
+void GasSampling::sampleAll
+(
+    StepParcels& step,
+    StockTracking& first,
+    const scalar dt
+)
+{
+    const size_t n = step.parcels.size();
+    const unsigned threads = threadsFor(n);
+    std::vector<std::unique_ptr<StockTracking>> others;
+    while (others.size() + 1 < threads)
+    {
+        others.push_back(std::make_unique<StockTracking>(cloud_));
+    }
+    if (threads > 1 && undisturbed_)
+    {
+        for (const StockParcel* p : step.parcels)
+        {
+            gas_.depositKept(p->cell());
+        }
+    }
+    size_t end = n;     // of those that are moved
+    while (end > 0 && !step.parcels[end - 1]->active())
+    {
+        --end;
+    }
+    elutria::dem::forEach(threads, (n + block - 1)/block, [&](const size_t k)
+    {
+        const int thread = omp_get_thread_num();
+        StockTracking& td = thread ? *others[thread - 1] : first;
+        const size_t from = k*block, to = min(n, from + block);
+        Random random;
+        sampleBlock(step, td, random, from, to, dt);
+        if (from < end && end <= to)
+        {
+            // What OpenFOAM's models draw follows the last parcel's numbers
+            cloud_.rndGen() = random;
+        }
+    });
+}
+
+
+void GasSampling::sampleBlock
+(
+    StepParcels& step,
+    StockTracking& td,
+    Random& random,
+    const size_t from,
+    const size_t to,
+    const scalar dt
+)
+{
+    const std::vector<StockParcel*>& parcels = step.parcels;
+    for (size_t i = from; i < to; ++i)
+    {
+        soonRead(*parcels[min(i + 2, to - 1)]);
+        expectCell(*parcels[min(i + 1, to - 1)]);
+        sample(td, random, step, i, dt);
+    }
 }
 
 

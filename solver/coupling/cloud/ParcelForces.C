@@ -13,6 +13,8 @@ namespace Foam
 {
 
 ParcelForces::ParcelForces(const StockCloud& cloud)
+:
+    simple_(true)
 {
     for (const auto& force : cloud.forces())
     {
@@ -32,6 +34,7 @@ ParcelForces::ParcelForces(const StockCloud& cloud)
         if (!drag && !gravity)
         {
             addingMass_.push_back(&force);
+            simple_ = false;
         }
     }
 }

@@ -26,9 +26,12 @@ using elutria::dem::Vector3;
 void StepParcels::list(StockCloud& cloud)
 {
     parcels.clear();
+    known_.clear();
+    startSearch();
     for (StockParcel& p : cloud)
     {
         parcels.push_back(&p);
+        known_.push_back(next(p));
     }
     resize(parcels.size());
 }
@@ -36,7 +39,6 @@ void StepParcels::list(StockCloud& cloud)
 
 void StepParcels::resize(const size_t n)
 {
-    nextEnd_ = 0;
     starts.resize(n);
     tracked.resize(n);
     cells.resize(n);
@@ -106,10 +108,10 @@ point StepParcels::place(const StockParcel& p)
 }
 
 
-void StepParcels::start(const size_t i, const StockParcel& p)
+void StepParcels::start(const size_t i)
 {
-    const End* end = next(p);
-    starts[i] = placeOf(p, end);
+    const End* end = known_[i];
+    starts[i] = placeOf(*parcels[i], end);
     tracked[i] = !end || end->tracked;
 }
 

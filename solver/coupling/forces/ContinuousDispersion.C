@@ -121,13 +121,14 @@ vector InertialDispersion::fluctuation
     Random& random,
     const scalar dt,
     const Turbulence& gas,
+    const Inertia& parcel,
     vector& UTurb,
     scalar& tTurb
 ) const
 {
     const scalar cellSigma = sqrt(2.0/3.0*gas.k);
     const vector& slope = gas.gradSigma;
-    const scalar sigma = linearInCell(cellSigma, slope, offset);
+    const scalar sigma = linearInCell(cellSigma, slope, parcel.offset);
     if (cellSigma < SMALL || gas.epsilon < SMALL)
     {
         UTurb = Zero;
@@ -136,11 +137,11 @@ vector InertialDispersion::fluctuation
     }
 
     const vector w0(tTurb > SMALL ? UTurb/tTurb : normalVector(random));
-    const scalar shorter = 1/sqrt(1 + sqr(beta*meanSlip/sigma));
+    const scalar shorter = 1/sqrt(1 + sqr(beta*parcel.meanSlip/sigma));
     const vector timeSlope(shorter*gas.gradTime);
     const scalar T = linearInCell
     (
-        shorter*gas.k/gas.epsilon/(0.5 + 0.75*C0), timeSlope, offset
+        shorter*gas.k/gas.epsilon/(0.5 + 0.75*C0), timeSlope, parcel.offset
     );
 
     const scalar theta = dt/T;
@@ -148,7 +149,7 @@ vector InertialDispersion::fluctuation
     const scalar gained = step.gained;
     const vector a(normalVector(random)), b(normalVector(random));
 
-    const scalar inertia = 1/(1 + relaxationTime/T);
+    const scalar inertia = 1/(1 + parcel.relaxationTime/T);
     const vector drift(inertia*T*slope);
     const vector lag(inertia*sigma*timeSlope);
     const vector end
@@ -169,9 +170,9 @@ vector InertialDispersion::fluctuation
     tTurb = sigma;
 
     // The path leads through sigma of its middle
-    const scalar steps = dt/max(relaxationTime, VSMALL);
+    const scalar steps = dt/max(parcel.relaxationTime, VSMALL);
     const scalar followed = 1 + std::expm1(-steps)/steps;
-    const vector middle(offset + 0.5*followed*dt*sigma*mean);
+    const vector middle(parcel.offset + 0.5*followed*dt*sigma*mean);
     return linearInCell(cellSigma, slope, middle)*mean;
 }
 

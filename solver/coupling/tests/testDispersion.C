@@ -34,6 +34,7 @@ struct Process
 
     Random random{1};
     Turbulence gas{k, k/(0.5 + 0.75*2.1), Zero, Zero};
+    Inertia parcel;
 
     //- Mean square of the end's fluctuation and of the way, and its mean, after
     //  a time in equal steps, of one component
@@ -50,7 +51,7 @@ struct Process
             {
                 way +=
                     time/steps
-                   *fluctuation(random, time/steps, gas, u, sigma);
+                   *fluctuation(random, time/steps, gas, parcel, u, sigma);
             }
             spread.end += sqr(u.x())/particles;
             spread.way += sqr(way.x())/particles;
@@ -59,7 +60,6 @@ struct Process
         return spread;
     }
 
-    using InertialDispersion::fluctuation;
     using InertialDispersion::interiorGradient;
 };
 
@@ -89,7 +89,7 @@ TEST_CASE("tracers spread as Taylor's theory says, in one step or in many")
 TEST_CASE("particles that slip through eddies spread less")
 {
     Process slow, fast;
-    fast.meanSlip = 3;
+    fast.parcel.meanSlip = 3;
     CHECK(fast.after(5, 2).way < 0.6*slow.after(5, 2).way);
 }
 
@@ -102,7 +102,10 @@ TEST_CASE("without turbulence nothing fluctuates")
     scalar sigma = 1;
     const vector moved
     (
-        process.fluctuation(process.random, 1, process.gas, u, sigma)
+        process.fluctuation
+        (
+            process.random, 1, process.gas, process.parcel, u, sigma
+        )
     );
     CHECK(moved == vector(Zero));
     CHECK(u == vector(Zero));
