@@ -261,17 +261,18 @@ def test_the_solver_prints_what_it_reads(column: Path) -> None:
     (column / "constant/values").write_text(
         "FoamFile { version 2.0; format ascii; class dictionary; object values; }\n"
         '#includeIfPresent "nothing"\nn 3; half 0.5; word a; text "b c"; list (1 (2 3) d);\n'
-        "nu nu [0 2 -1 0 0 0 0] 1.5e-05; deep { again $n; switch on; }\n"
+        "nu nu [0 2 -1 0 0 0 0] 1.5e-05; deep { again $n; switch on; again 5; }\n"
+        "#ifeq $word a\nbranch 1;\n#else\nbranch 2;\n#endif\n"
         "boundary ( top { type patch; faces ((0 1)); } ); big 123456789.125; n 4;\n"
     )
     read = ask(column, "constant/values")
     assert read is not None
     assert read.entries == {
         "n": 4, "half": 0.5, "word": "a", "text": '"b c"', "list": [1, [2, 3], "d"],
-        "nu": 1.5e-5, "deep": {"again": 3, "switch": True},
+        "nu": 1.5e-5, "deep": {"again": 5, "switch": True}, "branch": 1,
         "boundary": [("top", {"type": "patch", "faces": [[0, 1]]})], "big": 123456789.125,
     }  # fmt: skip
-    assert read.repeated == ("n",)
+    assert read.repeated == ["deep/again", "n"]
     assert read.included == ["nothing"]
     (column / "constant/values").write_text("n $nowhere;\n")
     with pytest.raises(InputError, match=r"constant/values.*nowhere"):

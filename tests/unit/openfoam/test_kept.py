@@ -19,7 +19,7 @@ echo "$PWD" >> "{starts}"
 file=$(sed 's/.*value *\\([^;]*\\);.*/\\1/' system/controlDict)
 echo 'elutria: dictionaries {{"system/controlDict": {{"entries":'
 echo '{{"value": "'$file'", "case": "'$PWD'/constant"}},'
-echo '"own": ["value", "case"], "included": []}}}}'
+echo '"own": ["value", "case"], "repeated": [], "included": []}}}}'
 """
 
 

@@ -30,17 +30,14 @@ _SWITCHES = {"yes": True, "on": True, "true": True, "no": False, "off": False, "
 
 class Asked:
     """A dictionary as the solver reads it: `entries`, the names of those that stand in the file
-    itself (`own`, twice where they do), and of the files that it includes."""
+    itself (`own`), of those that stand there twice, at any depth (`repeated`), and of the files
+    that it includes."""
 
     def __init__(self, answer: Mapping[str, Any]):
         self.entries: dict[str, Any] = _value(answer["entries"])
         self.own: list[str] = answer["own"]
+        self.repeated: list[str] = answer["repeated"]
         self.included: list[str] = answer["included"]
-
-    @property
-    def repeated(self) -> tuple[str, ...]:
-        """Entries that the file has more than once."""
-        return tuple(name for name in dict.fromkeys(self.own) if self.own.count(name) > 1)
 
 
 def ask(case: Path, file: str) -> Asked | None:

@@ -217,7 +217,7 @@ def read_dictionary(
                 {k: v for k, v in asked.entries.items() if with_included or k in asked.own},
                 shown,
                 included=tuple(asked.included),
-                repeated=(*asked.repeated, *_repeated(path, shown)),
+                repeated=tuple(asked.repeated),
                 own=asked.own,
             )
     return _from_text(path, case, with_included=with_included)
@@ -245,14 +245,6 @@ def _undefined(path: Path, case: Path) -> InputError | None:
 def _take_all(entries: Dictionary) -> None:
     for name, value in entries.entries.items():
         _take_all(entries.sub(name)) if isinstance(value, Mapping) else entries.raw(name)
-
-
-def _repeated(path: Path, shown: str) -> tuple[str, ...]:
-    """Entries that stand twice in the text, at any depth: of what is read, nobody can tell."""
-    try:
-        return _parse(path, shown)[1]
-    except InputError:  # what foamlib does not read, such as #eval
-        return ()
 
 
 def read_list(path: Path, case: Path | None = None) -> list[Any]:

@@ -10,6 +10,7 @@
 #include "run/NothingExecuted.H"
 #include "run/exitHandling.H"
 #include "foam/Json.H"
+#include "foam/fileEntries.H"
 #include "foam/honoured.H"
 #include "foam/ownEntries.H"
 #include "IFstream.H"
@@ -209,6 +210,7 @@ std::string fileAsJson(const fileName& file)
         return
             "{\"entries\": " + asJson(dict)
           + ", \"own\": " + asJson(topLevelKeys(file))
+          + ", \"repeated\": " + asJson(repeatedEntries(file, true))
           + ", \"included\": " + asJson(includedFiles(file)) + '}';
     }
     catch (const IOerror& error)
