@@ -89,6 +89,16 @@ def test_what_was_compared_is_written(
     assert "d25/d75" in said
 
 
+def test_sizes_are_compared_where_the_measurement_names_no_uncertainty(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = write(tmp_path / "m.csv", "diameter_um,partition", "400,0.1", "500,0.4", "600,0.8")
+    run("compare", results, file, "--velocity", "5", "--to", tmp_path / "to")
+    assert "5 m/s, all: 3 sizes compared\n" in capsys.readouterr().out
+    content = json.loads((tmp_path / "to/comparison.json").read_text())
+    assert (content["rows"], content["degrees_of_freedom"]) == (3, 0)
+
+
 def test_masses_of_products_make_shares_and_the_yield(tmp_path: Path) -> None:
     file = write(
         tmp_path / "m.csv",

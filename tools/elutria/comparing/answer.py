@@ -132,7 +132,7 @@ def _content(
         "measured": file.name,
         "setting": dict(zip(results.settings.columns, setting, strict=True)),
         "material": material,
-        "rows": found.degrees,
+        "rows": found.sizes,
         "rows_left_out": left_out,
         "chi_square": _json(found.chi_square),
         "degrees_of_freedom": found.degrees,
@@ -153,7 +153,7 @@ def _json(value: float) -> float | None:
 
 def _lines(found: Comparison, title: str, left_out: int) -> list[str]:
     """What the terminal says."""
-    lines = [f"{title}: {found.degrees} sizes compared"]
+    lines = [f"{title}: {found.sizes} sizes compared"]
     if left_out:
         lines[0] += f", {left_out} beyond those that left are not"
     if isfinite(found.chi_square):

@@ -69,6 +69,11 @@ class Comparison:
     differences: tuple[Difference, ...]
 
     @property
+    def sizes(self) -> int:
+        """Rows that are compared."""
+        return int(self.ours.size)
+
+    @property
     def degrees(self) -> int:
         """Degrees of freedom: rows of which both sides know how well."""
         return int(np.sum(np.isfinite(self.standardised)))
