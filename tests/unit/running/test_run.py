@@ -324,6 +324,7 @@ def test_a_run_that_is_killed_leaves_the_others(
     result = sweep(column, to, "4,5")
     killer.join()
     assert list(result.failures) == ["4 m/s"]
+    assert result.failures["4 m/s"].startswith("it was killed (SIGKILL, as the system does")
     assert (to / "U5/finished.json").is_file()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -35,3 +36,14 @@ def started_in(folder: Path, command: list[str]) -> Iterator[list[str]]:
 def with_own_name(said: str, folder: Path) -> str:
     """A message of a program started so, with the folder's own name in place of the link's."""
     return _LINK.sub(lambda _: str(folder), said)
+
+
+def killed(code: int) -> str:
+    """What ended a program with this exit code, its own or mpirun's; empty unless by a signal."""
+    number = -code if code < 0 else code - 128
+    try:
+        name = signal.Signals(number).name
+    except ValueError:
+        return ""
+    why = ", as the system does where memory is short" if name == "SIGKILL" else ""
+    return f"it was killed ({name}{why}); the same command goes on from the last time written"

@@ -16,7 +16,7 @@ from typing import Any
 from PyFoam.Execution.BasicRunner import BasicRunner
 
 from elutria.files import writing_to
-from elutria.openfoam.started import started_in
+from elutria.openfoam.started import killed, started_in
 
 _STEP = re.compile(r"elutria: time (\S+) fed (\d+)((?: \S+ \d+)*) inside (\d+) lost (\d+)")
 
@@ -144,18 +144,7 @@ def follow(folder: Path, command: list[str], log: str, on_step: Callable[[Step],
     code = runner.run.returncode
     return Outcome(
         complete=runner.finished and not runner.failed and bool(runner.runOK()) and code == 0,
-        reason=runner.failed or _killed(code),
+        reason=runner.failed or killed(code),
         exit_code=code,
         interrupted=bool(result.get("interrupted")),
     )
-
-
-def _killed(code: int) -> str:
-    """What ended a program with this exit code, its own or mpirun's; empty unless by a signal."""
-    number = -code if code < 0 else code - 128
-    try:
-        name = signal.Signals(number).name
-    except ValueError:
-        return ""
-    why = ", as the system does where memory is short" if name == "SIGKILL" else ""
-    return f"it was killed ({name}{why}); the same command goes on from the last time written"

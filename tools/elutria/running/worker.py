@@ -28,6 +28,7 @@ from elutria.case.case import Case, Setting
 from elutria.errors import ElutriaError
 from elutria.estimates.price import duration
 from elutria.files import writing_to
+from elutria.openfoam.started import killed
 from elutria.running.run import LockedError, run_case
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def perform(job: Job) -> str | None:
         lines = [line for line in said if line.strip()]
     if process.returncode == 0:
         return None
-    ended = f"ended with exit code {process.returncode}"
+    ended = killed(process.returncode) or f"ended with exit code {process.returncode}"
     return _placed(job, lines[-1].strip() if lines else ended)
 
 
