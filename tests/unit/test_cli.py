@@ -68,6 +68,31 @@ def test_check_says_what_was_understood(capsys: pytest.CaptureFixture[str], colu
     assert sorted(column.rglob("*")) == before
 
 
+LOCALES = {
+    "C": {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+    "UTF-8": {"LC_ALL": "C.UTF-8"},
+}
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+@pytest.mark.usefixtures("fake_solver")
+def test_names_are_utf_8_whatever_the_locale(column: Path, tmp_path: Path, locale: str) -> None:
+    def said(*words: str | bytes) -> tuple[int, str]:
+        command = [sys.executable, "-m", "elutria", *words]
+        done = subprocess.run(command, env={**os.environ, **LOCALES[locale]}, cwd=tmp_path,
+                              capture_output=True, check=False)  # fmt: skip
+        return done.returncode, done.stderr.decode()
+
+    case = column.rename(tmp_path / "säule")
+    few = ("--set", f"{PARAMETERS}:particles=50")
+    assert said("run", case.name, "--velocity", "5", *few, "--to", "ergebnis-ö") == (0, "")
+    assert json.loads((tmp_path / "ergebnis-ö/elutria.json").read_text())["case"] == "säule"
+    assert said("sweep", case.name, "--velocity", "4,5", *few, "--to", "ü") == (0, "")
+    assert said("check", b"s\xe4ule") == (
+        2, "elutria: s\\xe4ule: is not UTF-8; allowed: names in UTF-8\n"
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

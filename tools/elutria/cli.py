@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import traceback
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
@@ -562,11 +564,30 @@ def _add_commands() -> None:
 _add_commands()
 
 
+def _start_in_utf8() -> None:
+    """Start this program again with names of files in UTF-8, as it writes them, where the locale
+    has them in another encoding. Raises InputError for a name that is not UTF-8."""
+    if sys.getfilesystemencoding() != "utf-8":
+        os.environ["PYTHONUTF8"] = "1"  # of the programs that this one starts
+        os.environ.setdefault("PYTHONIOENCODING", f"{sys.stdout.encoding}:backslashreplace")
+        os.execv(sys.executable, [sys.executable, "-X", "utf8", *sys.orig_argv[1:]])
+    names = sys.argv[1:]
+    with suppress(OSError):
+        names.append(str(Path.cwd()))
+    for name in names:
+        if (plain := os.fsencode(name)).decode(errors="replace") != name:
+            shown = plain.decode("ascii", "backslashreplace")
+            raise InputError(f"{shown}: is not UTF-8; allowed: names in UTF-8")
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: one line and exit code 1 or 2 for what goes wrong."""
+    called = arguments is None
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     state["debug"] = "--debug" in arguments  # wherever it stands
     try:
+        if called:
+            _start_in_utf8()
         code = app([word for word in arguments if word != "--debug"], standalone_mode=False)
         if code == INTERRUPTED:
             raise KeyboardInterrupt
