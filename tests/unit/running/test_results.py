@@ -332,8 +332,10 @@ def test_a_parameter_may_be_taken_anywhere(column: Path, file: str, text: str) -
 
 
 def test_the_gas_velocity_is_given_once(column: Path) -> None:
-    with pytest.raises(InputError, match=r"--set \S+:gasVelocity: .*allowed: --velocity alone"):
-        Case(column).settings_for(6, ["system/simulationParameters:gasVelocity=7"])
+    """Also where there is no --velocity: folders, rows and figures have their names by it."""
+    for velocity in (6, None):
+        with pytest.raises(InputError, match=r"gasVelocity=7: allowed: --velocity 7 instead"):
+            Case(column).settings_for(velocity, ["system/simulationParameters:gasVelocity=7"])
 
 
 def test_points_have_folders_of_their_own(column: Path, tmp_path: Path) -> None:

@@ -248,8 +248,9 @@ class Case:
         """The settings of one run, checked to lie within the case."""
         settings = [Setting.parse(text) for text in extra]
         names = [f"{setting.file}:{setting.entry}" for setting in settings]
-        if velocity is not None and VELOCITY in names:
-            raise InputError(f"--set {VELOCITY}: is --velocity's; allowed: --velocity alone")
+        if VELOCITY in names:  # of which folders, rows and figures have their names
+            given = settings[names.index(VELOCITY)].value
+            raise InputError(f"--set {VELOCITY}={given}: allowed: --velocity {given} instead")
         self.refuse_other_files([setting.file for setting in settings])
         for name in names:
             self.require_used(name)
