@@ -236,6 +236,20 @@ def test_a_longer_drain_goes_on_and_a_restart_from_before_forgets_it(tmp_path: P
     assert ledger(case)["lost"]["parcels"] == 0
 
 
+def test_an_end_that_is_over_is_refused(tmp_path: Path) -> None:
+    """What the run came to since then is no result of a shorter drain, or of an earlier end."""
+    case = begun(tmp_path / "case", until=0.35)
+    change(case, {f"{FEED_FILE}:drainTime": 0.1})
+    said = refusal(case)
+    assert said.startswith("constant/feed: drainTime is 0.1, but the run came to time 0.35 when it")
+    assert "was 0.2; allowed: at least 0.15, as that much is over" in said
+    change(case, {f"{FEED_FILE}:drainTime": 0.2, f"{CONTROL}:endTime": 0.3})
+    assert "endTime is 0.3, but the run came to time 0.35; allowed: at least that" in refusal(case)
+    change(case, {f"{FEED_FILE}:drainTime": 0.16, f"{CONTROL}:endTime": 2})
+    solve(case)
+    assert json.loads((case / "postProcessing/ledger.json").read_text())["time_s"] < 0.37
+
+
 @pytest.mark.slow
 def test_two_processors_go_on_as_one_does(case: Path, tmp_path: Path) -> None:
     del case

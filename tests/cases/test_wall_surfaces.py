@@ -118,6 +118,16 @@ def test_a_file_in_millimetres_is_scaled(tmp_path: Path) -> None:
     assert read_particles(case, times(case)[-1]).velocity[0, 0] < 0
 
 
+def test_a_blank_in_the_file_s_name_is_named(tmp_path: Path) -> None:
+    """OpenFOAM ended without a word."""
+    case = BOX.make(tmp_path / "case", SPHERES)
+    change(case, Contacts().settings())
+    change(case, {f"{CONTACTS}/surfaces": {"plate": {"file": '"constant/my plate.stl"'}}})
+    done = subprocess.run(["elutriaFoam"], cwd=case, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "file: 'constant/my plate.stl' has a blank or a quote; allowed: a name" in done.stdout
+
+
 def test_the_gas_flows_through(tmp_path: Path) -> None:
     """Straight and at the same pressure, as if the plate were not there."""
     fields = []

@@ -6,6 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "contacts/WallSurfaces.H"
+#include "foam/caseText.H"
 #include "foam/foamVersion.H"
 #include "foam/ownEntries.H"
 #include "foam/requireAllowed.H"
@@ -173,7 +174,7 @@ List<WallSurface> readWallSurfaces(const dictionary& dict, const polyMesh& mesh)
         requireOwnEntries(one, ownDictionary::wallSurface);
         const scalar scale = one.getOrDefault<scalar>("scale", 1);
         requireAllowed("scale", scale, above(0, 1e6), one);
-        WallSurface surface{name, one.get<fileName>("file"), {}};
+        WallSurface surface{name, fileNameIn(one, "file"), {}};
         if (Pstream::master())
         {
             surface.triangles = trianglesOf(one, surface, scale);

@@ -410,6 +410,7 @@ Feed::Feed(const fvMesh& mesh, const word& phaseName)
     }
     goOn(phaseName);
     readAll(phaseName);
+    requireDrainAhead();
 }
 
 

@@ -218,7 +218,7 @@ dictionary namedFiles(const dictionary& feed)
         }
         else if (e.keyword() == "file")
         {
-            const fileName file(feed.get<fileName>("file"));
+            const fileName file(fileNameIn(feed, "file"));
             const SHA1 content(caseText(file));
             named.add("file", string(file + " of SHA-1 " + content.digest().str()));
         }

@@ -225,6 +225,26 @@ void Feed::beginStretch
 }
 
 
+void Feed::requireDrainAhead() const
+{
+    const scalar now = mesh_.time().value();
+    const dictionary record(feedRecord::read(mesh_));
+    if
+    (
+        now > drained() && !record.empty()
+     && feedRecord::changes(mesh_, record, case_, files_).found("drainTime")
+    )
+    {
+        OStringStream over;
+        over<< "at least " << now - end() << ", as that much is over";
+        feedRecord::refuse
+        (
+            mesh_, "drainTime", record.subDict("case"), case_, over.str()
+        );
+    }
+}
+
+
 dictionary Feed::stretch() const
 {
     dictionary record, focus;

@@ -33,7 +33,7 @@ std::vector<double> readNumbers(const dictionary& dict, const word& entry)
 //- A file that the dictionary names, from the case's folder
 laws::CumulativeCurve readSieveFile(const dictionary& dict)
 {
-    const fileName given(dict.get<fileName>("file"));
+    const fileName given(fileNameIn(dict, "file"));
     const std::string text(caseText(given));
     try
     {

@@ -75,7 +75,7 @@ std::shared_ptr<const elutria::laws::MeasuredDrag> readMeasuredDrag
     }
     const dictionary& dict = material.subDict("measuredVelocity");
     requireOwnEntries(dict, ownDictionary::measuredVelocity);
-    const fileName file(dict.get<fileName>("file"));
+    const fileName file(fileNameIn(dict, "file"));
     const scalar rho = dict.getOrDefault<scalar>("gasDensity", 1.2);
     const scalar mu = dict.getOrDefault<scalar>("gasViscosity", 1.8e-5);
     requireAllowed("gasDensity", rho, above(0), dict);

@@ -15,6 +15,19 @@
 namespace Foam
 {
 
+fileName fileNameIn(const dictionary& dict, const word& entry)
+{
+    const string given(dict.get<string>(entry));
+    if (!string::valid<fileName>(given))
+    {
+        FatalIOErrorInFunction(dict)
+            << entry << ": '" << given.c_str() << "' has a blank or a quote;"
+            << " allowed: a name without" << exit(FatalIOError);
+    }
+    return fileName(given);
+}
+
+
 std::string caseText(const fileName& given)
 {
     const fileName file(given.isAbsolute() ? given : getEnv("FOAM_CASE")/given);
@@ -23,7 +36,7 @@ std::string caseText(const fileName& given)
     {
         throw std::invalid_argument
         (
-            "file " + given + " is not found, allowed: a csv file in the case"
+            "file " + given + " is not found, allowed: a file, by its path in the case"
         );
     }
     std::ostringstream text;

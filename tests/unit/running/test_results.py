@@ -139,6 +139,31 @@ def test_what_the_solver_refuses_leaves_the_run_as_it_was(column: Path, tmp_path
     assert inputs() == before
 
 
+@pytest.mark.usefixtures("fake_solver")
+@pytest.mark.parametrize(
+    ("entry", "value", "said"),
+    [
+        ("system/scenePlan:gasTolerance", "0.2", "system/scenePlan: has changed"),
+        ("system/controlDict:deltaT", "1e-5", "system/controlDict: deltaT: has changed"),
+        ("system/controlDict:writeInterval", "7", ""),
+    ],
+)
+def test_a_run_that_is_over_is_not_taken_for_one_of_other_steps(
+    column: Path, tmp_path: Path, entry: str, value: str, said: str
+) -> None:
+    """Its past was computed as the files were then."""
+    case, to = Case(column), tmp_path / "one"
+    run_case(case, to, case.settings_for(5, SMALL))
+    before = (to / "finished.json").read_bytes()
+    other = case.settings_for(5, [*SMALL, f"{entry}={value}"])
+    if not said:
+        run_case(case, to, other, extend=True)
+        return
+    with pytest.raises(InputError, match=said):
+        run_case(case, to, other, extend=True)
+    assert (to / "finished.json").read_bytes() == before
+
+
 def test_a_grid_has_its_settings_as_columns(
     column: Path, fake_solver: Path, tmp_path: Path
 ) -> None:

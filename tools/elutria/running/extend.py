@@ -6,6 +6,7 @@ folder is as it was.
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -18,6 +19,11 @@ from elutria.openfoam.own_mesh import OF_THE_MESH
 from elutria.running.marker import FINISHED, MARKER, Identity, Marker
 
 _MAY = ("constant/", "system/")
+_COMPUTED_WITH = ("system/fvSchemes", "system/fvSolution", "system/scenePlan")
+"""How the past was computed, which the solver's record does not hold."""
+_CONTROL = "system/controlDict"
+_ON_THE_WAY = re.compile("endTime|write.*|purgeWrite|functions|profiling|runTimeModifiable")
+"""Entries of it that leave the past as it was."""
 
 
 @contextmanager
@@ -32,7 +38,7 @@ def replaced_inputs(
         )
     with tempfile.TemporaryDirectory() as place:
         copy = case.copy_to(Path(place) / case.name, settings)
-        changed = _changed(copy, before.identity, now.identity)
+        changed = _changed(copy, folder, before.identity, now.identity)
         kept = Path(place) / "before"
         for name in [*changed, MARKER, FINISHED]:
             if (folder / name).is_file():
@@ -48,7 +54,7 @@ def replaced_inputs(
             raise
 
 
-def _changed(copy: Case, before: Identity, now: Identity) -> list[str]:
+def _changed(copy: Case, folder: Path, before: Identity, now: Identity) -> list[str]:
     """The input files that differ from those that the run began with."""
     settings = set(before.settings) ^ set(now.settings)
     changed = {name for name in {*before.files, *now.files}
@@ -56,9 +62,23 @@ def _changed(copy: Case, before: Identity, now: Identity) -> list[str]:
     changed |= {setting.partition(":")[0] for setting in settings}
     for name in sorted(changed):
         there = (copy.path / name).is_file()
-        if not there or not name.startswith(_MAY) or OF_THE_MESH.fullmatch(name):
-            raise InputError(
-                f"{name}: has changed since the run began, which cannot go on with it; allowed: "
-                "the file as it was, or a run in another folder with --to"
-            )
+        fixed = name in _COMPUTED_WITH or OF_THE_MESH.fullmatch(name)
+        if fixed or not there or not name.startswith(_MAY):
+            raise _refused(name)
+    if _CONTROL in changed:
+        _require_on_the_way(copy, Case(folder))
     return sorted(changed)
+
+
+def _require_on_the_way(now: Case, before: Case) -> None:
+    was, entries = (case.dictionary(_CONTROL).entries for case in (before, now))
+    for entry in {**was, **entries}:
+        if was.get(entry) != entries.get(entry) and not _ON_THE_WAY.fullmatch(entry):
+            raise _refused(f"{_CONTROL}: {entry}")
+
+
+def _refused(what: str) -> InputError:
+    return InputError(
+        f"{what}: has changed since the run began, which cannot go on with it; allowed: it as it "
+        "was, or a run in another folder with --to"
+    )

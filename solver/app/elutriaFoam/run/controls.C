@@ -174,6 +174,15 @@ void requireSoundControlDict(const Time& runTime)
     {
         requireAllowed("endTime", end, atLeast(start), dict);
     }
+    // What a run has come to is no result of an earlier end
+    end = runTime.endTime().value();
+    if (end < runTime.value() - 0.5*runTime.deltaTValue())
+    {
+        FatalIOErrorInFunction(dict)
+            << "endTime is " << end << ", but the run came to time "
+            << runTime.timeName() << "; allowed: at least that"
+            << exit(FatalIOError);
+    }
 }
 
 
