@@ -49,6 +49,22 @@ def test_a_finished_run_is_not_overwritten(
     assert (run / "finished.json").is_file()
 
 
+def test_the_frames_of_a_run_that_goes_on_stay(
+    column: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A second view of a case in the same folder is refused, not the first one spoilt."""
+    frames = tmp_path / "run/postProcessing/frames/frames.bin"
+    frames.parent.mkdir(parents=True)
+    frames.touch()
+    with (tmp_path / ".run.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with pytest.raises(SystemExit) as end:
+            main(["view", "--no-browser", str(column), "--to", str(tmp_path / "run")])
+    assert end.value.code == 1
+    assert "locked by another elutria" in capsys.readouterr().err
+    assert frames.is_file()
+
+
 def test_a_film_of_another_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = write_run(tmp_path / "run", falling(3))
     assert ".mp4, .gif, .html" in refused(capsys, str(run), "--record", str(tmp_path / "a.avi"))

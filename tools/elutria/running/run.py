@@ -121,7 +121,7 @@ def run_case(
     """
     settings = list(settings)
     fingerprint = case.fingerprint(settings, np)
-    with _lock(folder):
+    with locked(folder):
         shown = not frames or (folder / FRAMES).is_file()
         if shown and is_finished(folder, fingerprint):
             return Case(folder)
@@ -349,7 +349,7 @@ def _code_in(case: Case) -> str:
 
 
 @contextlib.contextmanager
-def _lock(folder: Path) -> Iterator[None]:
+def locked(folder: Path) -> Iterator[None]:
     """One run at a time in a folder; the lock ends with this process, however it ends."""
     with writing_to(folder.parent):
         folder.parent.mkdir(parents=True, exist_ok=True)

@@ -15,7 +15,7 @@ from pathlib import Path
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
 from elutria.running.marker import FINISHED, MARKER
-from elutria.running.run import FRAMES
+from elutria.running.run import FRAMES, locked
 from elutria.viewing.sessions import LiveSession, Session, session_of
 from elutria.viewing.sweeps import SweepSession, runs_in
 
@@ -33,8 +33,9 @@ class Run:
     def __init__(self, arguments: list[str], folder: Path, *, told: bool = False):
         self.folder = folder
         # of an earlier view: not to be taken for this run's
-        for stale in (folder / FRAMES, folder / FINISHED):
-            stale.unlink(missing_ok=True)
+        with locked(folder):
+            for stale in (folder / FRAMES, folder / FINISHED):
+                stale.unlink(missing_ok=True)
         command = [sys.executable, "-m", "elutria", "run", *arguments, "--frames"]
         command += ["--to", str(folder)]
         if shutil.which("setpriv"):
