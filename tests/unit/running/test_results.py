@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,7 +18,9 @@ from elutria import tables
 from elutria.case.case import Case
 from elutria.classification.precision import Precision
 from elutria.errors import InputError
-from elutria.files import read_csv
+from elutria.files import read_csv, write_json
+from elutria.output.results import read_results
+from elutria.pages.runs import find_runs
 from elutria.running.axes import grid, read_points
 from elutria.running.run import run_case
 from elutria.running.sweep import plan
@@ -188,6 +191,23 @@ def test_a_grid_has_its_settings_as_columns(
     known = json.loads((to / "sweep.json").read_text())
     assert known["varied"] == {LOADING: [0.1, 0.2, 0.8]}
     assert known["settings"] == SMALL
+
+
+@pytest.mark.usefixtures("fake_solver")
+def test_a_run_counts_once_and_one_that_was_steered_not(column: Path, tmp_path: Path) -> None:
+    """`elutria view` of a case puts its run in the folder of a sweep of it, if no other is given:
+    the events of both would be twice as many as there are."""
+    to = tmp_path / "results"
+    sweep(column, to, "4,5")
+    before = (to / "summary.csv").read_text()
+    for run, view, steered in (("U4", "view", False), ("U5", "A", True)):
+        shutil.copytree(to / run, to / view)
+        if steered:
+            finished = json.loads((to / view / "finished.json").read_text())
+            write_json(to / view / "finished.json", {**finished, "inputs": "others"})
+    sweep(column, to, "4,5")
+    assert (to / "summary.csv").read_text() == before
+    assert [run.name for run in find_runs(to, read_results(to).settings)] == ["U4", "U5"]
 
 
 @pytest.mark.usefixtures("fake_solver")

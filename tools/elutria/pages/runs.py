@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import isclose
@@ -15,7 +16,7 @@ from elutria.errors import InputError
 from elutria.files import read_json, read_text
 from elutria.openfoam.dictionary import Dictionary
 from elutria.output.settings import Setting, Settings
-from elutria.running.marker import FINISHED, MARKER
+from elutria.running.marker import FINISHED, MARKER, identity_of, runs_of
 from elutria.running.run import PLAN, SOLVER
 from elutria.tables import VELOCITY
 
@@ -106,22 +107,33 @@ class Log:
 
 def find_runs(folder: Path, settings: Settings) -> list[RunFolder]:
     """The complete runs of RESULTS, in the order of their settings; of a run: itself."""
-    if (folder / LEDGER).is_file():
-        found = [folder]
-    else:
-        found = sorted(path.parent for path in folder.glob(f"*/{FINISHED}")
-                       if (path.parent / LEDGER).is_file())  # fmt: skip
-    known = [
-        RunFolder(path, setting)
-        for path in found
-        if (setting := _listed(_setting(path, settings.columns), settings.all)) is not None
-    ]
+    known: dict[tuple[Setting, str], RunFolder] = {}
+    for path, which in _complete(folder):
+        setting = _listed(_setting(path, settings.columns), settings.all)
+        if setting is not None:  # two of a kind are one
+            known.setdefault((setting, which), RunFolder(path, setting))
     if not known:
         raise InputError(
             f"{folder}: none of the runs of its tables is there; allowed: the folder of a sweep or "
             "a run with its runs in it"
         )
-    return sorted(known, key=lambda run: (settings.all.index(run.setting), len(run.name), run.name))
+    return sorted(
+        known.values(), key=lambda run: (settings.all.index(run.setting), len(run.name), run.name)
+    )
+
+
+def _complete(folder: Path) -> Iterator[tuple[Path, str]]:
+    """The complete runs of RESULTS, and which replicate each is; by its name where they do not say
+    what they are of."""
+    if (folder / LEDGER).is_file():
+        yield folder, folder.name
+        return
+    identity = identity_of(folder)
+    if identity is not None:
+        found = [(path, str(run.replicate)) for path, run in runs_of(folder, identity)]
+    else:
+        found = [(file.parent, file.parent.name) for file in sorted(folder.glob(f"*/{FINISHED}"))]
+    yield from ((path, which) for path, which in found if (path / LEDGER).is_file())
 
 
 def _setting(path: Path, columns: list[str]) -> Setting:

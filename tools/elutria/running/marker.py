@@ -6,7 +6,7 @@ Both know the case by the contents of its files, wherever it lies and whatever i
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
@@ -45,6 +45,12 @@ class Identity:
             if before != now:
                 found.append(f"{name} ({before}, now {now})")
         return found
+
+    def is_of(self, other: Identity) -> bool:
+        """Whether a run is one of results: of their case, with their settings, and more."""
+        return self.files == other.files and (
+            self.settings[: len(other.settings)] == other.settings
+        )
 
 
 def _halves(setting: str) -> tuple[str, str]:
@@ -91,6 +97,24 @@ class Marker:
         with suppress(OSError):
             return self.spent_s + max((folder / log).stat().st_mtime - self.started, 0.0)
         return self.spent_s
+
+
+def runs_of(folder: Path, identity: Identity) -> Iterator[tuple[Path, Marker]]:
+    """The complete runs in a folder of results, by their names, that are of this case and have its
+    settings before their own. One that was steered on its way is none."""
+    for path in sorted(file.parent for file in folder.glob(f"*/{FINISHED}")):
+        marker = Marker.read(path)
+        if marker is not None and marker.identity.is_of(identity):
+            with suppress(InputError):
+                if read_json(path / FINISHED).get("inputs") == marker.inputs:
+                    yield path, marker
+
+
+def identity_of(folder: Path) -> Identity | None:
+    """What the results in a folder are of; None where they do not say."""
+    with suppress(InputError, KeyError, TypeError):
+        return _identity(read_json(folder / SWEEP))
+    return None
 
 
 def now() -> float:

@@ -17,7 +17,7 @@ from elutria.estimates.theory import write_theory
 from elutria.files import write_json
 from elutria.running.axes import Point, number_or_word, own_value, same_value
 from elutria.running.gas import gas_warnings, write_gas
-from elutria.running.marker import FINISHED, SWEEP, Identity, Marker, open_results
+from elutria.running.marker import SWEEP, Identity, Marker, open_results, runs_of
 from elutria.running.run import wall_time
 from elutria.warned import Warned, set_tool_warnings, solver_warnings
 
@@ -39,13 +39,11 @@ class Results:
 
     def finished(self) -> dict[Point, list[Path]]:
         """The runs of the case that are complete, of whatever call; replicates in their order."""
-        found: list[tuple[Point, int, Path]] = []
-        for path in self.folder.iterdir():
-            marker = Marker.read(path) if (path / FINISHED).is_file() else None
-            if marker is not None and not self._foreign(marker):
-                found.append((self._point(marker), marker.replicate, path))
+        found: dict[tuple[Point, int], Path] = {}
+        for path, marker in runs_of(self.folder, self.identity):  # two of a kind are one
+            found.setdefault((self._point(marker), marker.replicate), path)
         runs: dict[Point, list[Path]] = {}
-        for point, _, path in sorted(found, key=lambda run: run[1]):
+        for (point, _), path in sorted(found.items(), key=lambda run: run[0][1]):
             runs.setdefault(point, []).append(path)
         names = _axes(runs)
         in_order = sorted(runs, key=lambda point: (self._rank(point, names), point.velocity))
@@ -54,10 +52,6 @@ class Results:
     def _rank(self, point: Point, names: Iterable[str]) -> list[tuple[bool, float | str]]:
         """By the values of the settings: numbers rise, words follow by letters."""
         return [(isinstance(v, str), v) for v in self._values(point, names).values()]
-
-    def _foreign(self, marker: Marker) -> bool:
-        mine, given = self.identity, marker.identity.settings
-        return marker.identity.files != mine.files or given[: len(mine.settings)] != mine.settings
 
     def _point(self, marker: Marker) -> Point:
         """The point of a run, from the settings that it was given beside those of all runs."""

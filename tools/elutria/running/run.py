@@ -28,7 +28,7 @@ from elutria.errors import ElutriaError, InputError, one_line
 from elutria.estimates import machine, ranks
 from elutria.files import read_json, write_json, writing_to
 from elutria.openfoam.elsewhere import LARGEST_DICTIONARY
-from elutria.openfoam.started import started_in, with_own_name
+from elutria.openfoam.started import killed, started_in, with_own_name
 from elutria.openfoam.text import line_with
 from elutria.running import costs
 from elutria.running.ahead import Ahead
@@ -421,7 +421,8 @@ def _program(
     if refuses and code == InputError.exit_code:
         raise InputError(_reason(folder / log).removeprefix("elutria: "))
     if code != 0:
-        raise ElutriaError(f"{arguments[0]} failed in {folder / reads}: {_reason(folder / log)}")
+        reason = killed(code) or _reason(folder / log)
+        raise ElutriaError(f"{arguments[0]} failed in {folder / reads}: {reason}")
 
 
 def solve(
