@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -157,6 +158,16 @@ def test_a_mesh_that_may_be_old_is_refused(column: Path) -> None:
     later = (column / "constant/polyMesh/faces").stat().st_mtime + 10
     os.utime(column / PARAMETERS, (later, later))
     with pytest.raises(InputError, match="is not what system/blockMeshDict makes"):
+        ask_plan(Case(column))
+
+
+def test_a_mesh_of_a_time_to_come_is_refused(column: Path) -> None:
+    """The clock was set back: a blockMeshDict that was changed since looks older than the mesh."""
+    narrowed(column)
+    later = time.time() + 3600
+    for file in (column / "constant/polyMesh").iterdir():
+        os.utime(file, (later, later))
+    with pytest.raises(InputError, match="of a time yet to come"):
         ask_plan(Case(column))
 
 

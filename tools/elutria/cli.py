@@ -516,7 +516,8 @@ class _SweepDisplay:
     def _all(self) -> None:
         from elutria.estimates.price import duration
 
-        share, gone = sum(self.shares.values()) / self.runs, monotonic() - self.began
+        runs = max(self.runs, len(self.shares))  # a search does not know how many it makes
+        share, gone = sum(self.shares.values()) / runs, monotonic() - self.began
         left = f"{duration(gone * (1 - share) / share)} left" if share > 0.02 else ""
         self.display.update("all", share, left)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -304,6 +306,14 @@ def test_figures_are_as_new_as_the_tables_or_not_current(tmp_path: Path) -> None
     assert current_figures(folder, ["png"]) == []
     plots.write_figures(folder)
     written[0].unlink()
+    assert current_figures(folder, ["png"]) == []
+
+
+def test_figures_of_a_time_to_come_are_drawn_again(tmp_path: Path) -> None:
+    """The clock was set back: tables that are written now look older than they."""
+    folder = results(tmp_path, [4.0, 6.0], ["quartz"])
+    for figure in plots.write_figures(folder):
+        os.utime(figure, (time.time() + 3600,) * 2)
     assert current_figures(folder, ["png"]) == []
 
 

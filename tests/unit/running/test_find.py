@@ -52,6 +52,14 @@ def test_what_cannot_be_reached_is_said(column: Path) -> None:
         search(asked, [], power_law(0.5, []), Case(column))
 
 
+def test_no_more_runs_are_made_than_allowed(column: Path) -> None:
+    made: list[float] = []
+    asked = Asked(1e-3, LOADING, 1, 2, most_runs=2)
+    with pytest.raises(ElutriaError, match="no value of"):
+        search(asked, [], power_law(0.5, made), Case(column))
+    assert len(made) == 2
+
+
 @pytest.mark.parametrize("text", ["x=1:2", f"{LOADING}=2:1", f"{LOADING}=1", f"{LOADING}=a:b"])
 def test_bad_ranges_are_one_line(column: Path, text: str) -> None:
     with pytest.raises(InputError):

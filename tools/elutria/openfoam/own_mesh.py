@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 from functools import lru_cache
 from pathlib import Path
 
@@ -23,6 +24,8 @@ OF_THE_MESH = re.compile(
     r"|.*\.(stl|stlb|obj|vtk|eMesh|nas|py|sh)(\.gz)?)"
 )
 """Files that programs which make the mesh read."""
+CLOCKS_APART = 60.0
+"""s: so far may the clock of a file server be ahead."""
 
 
 def is_stale(case: Path) -> bool:
@@ -56,6 +59,9 @@ def keeps_mesh(case: Path) -> bool:
     if copied:
         raise _unclear(case, f"is not what {PLAN} makes, and a copy of the case has lost which of "
                        "both is newer")  # fmt: skip
+    if made > time.time() + CLOCKS_APART:
+        raise _unclear(case, f"is not what {PLAN} makes, and of a time yet to come, so that nobody "
+                       "can tell which of both is newer")  # fmt: skip
     answer = ask(case, PLAN)
     for name in answer.included if answer else []:
         included = case / "system" / name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,4 +78,5 @@ def current_figures(folder: Path, formats: Sequence[str]) -> list[Path]:
     newest = max(source.stat().st_mtime_ns for source in sources)
     more = [folder / f"{name}.{suffix}" for name in OPTIONAL for suffix in formats]
     figures = [figure for figure in more if figure.is_file()] + figures
-    return figures if all(figure.stat().st_mtime_ns >= newest for figure in figures) else []
+    now = time.time_ns()  # a clock that was set back tells of none later which is newer
+    return figures if all(newest <= f.stat().st_mtime_ns <= now for f in figures) else []

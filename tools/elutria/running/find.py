@@ -92,13 +92,13 @@ def search(
     Raises ElutriaError where no value within the limits does.
     """
     cuts = sorted(known, key=lambda cut: cut.value)
-    for _ in range(asked.most_runs + 1):
+    for runs in range(asked.most_runs + 1):
         met = [cut for cut in cuts if cut.meets(asked)]
         if met:
             return min(met, key=lambda cut: abs(log(cut.d50 / asked.d50))), cuts
         tries = [_next(asked, cuts, case), asked.low, asked.high]
         value = next((v for v in tries if all(abs(v / c.value - 1) > 1e-4 for c in cuts)), None)
-        if value is None:
+        if value is None or runs == asked.most_runs:
             break
         cuts = sorted([*cuts, run(value)], key=lambda cut: cut.value)
     told = ", ".join(f"{cut.value:g}: {cut.d50 * 1e6:.4g} um" for cut in cuts)
