@@ -10,6 +10,7 @@ import pytest
 from foamlib import FoamFile
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from elutria.cli import main
 from elutria.output.style import STYLE
 from elutria_validation.benchmarks.zigzag import POINTS, Point, Row, figure, make_case, table
 from elutria_validation.harness.programs import project_root
@@ -56,6 +57,14 @@ def test_rows_of_an_earlier_table_are_compared_with_the_finest_mesh(tmp_path: Pa
     assert [row["point"] for row in rows] == [row["point"] for row in given]
     errors = [(row["d50_error"], row["sharpness_error"]) for row in rows]
     assert errors == [pytest.approx(e) for e in ((0, 0), (-0.05, 0.05), (-1 / 7, -0.05))]
+
+
+def test_an_earlier_table_is_read_before_anything_is_run(tmp_path: Path) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["bench", "zigzag", "--quick", "--option", "earlier=nowhere.csv",
+              "--to", str(tmp_path)])  # fmt: skip
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("seconds", [(18, 20), (150, 170), (18, 170), (18, 700), (18, 2700)])

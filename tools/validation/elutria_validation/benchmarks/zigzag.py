@@ -105,6 +105,7 @@ class Options:
 
 def run(job: Job, options: Options) -> None:
     """Make the cases, run what is not finished; writes zigzag.csv, .png and .json."""
+    earlier = read_csv(options.earlier, COLUMNS, ("point",)) if options.earlier else []
     runs = job.folder / "zigzag-runs"
     points = [
         replace(one, ranks=min(one.ranks, options.ranks))
@@ -122,7 +123,6 @@ def run(job: Job, options: Options) -> None:
         if not (runs / f"{name}.json").is_file():
             job.say(name)
             subprocess.run(["bash", "run.sh", name], cwd=runs, check=True)
-    earlier = read_csv(options.earlier, COLUMNS, ("point",)) if options.earlier else []
     rows = table(runs, points, options.seeds, earlier)
     kept = [one["point"] for one in rows if any(one is other for other in earlier)]
     notes = {}
