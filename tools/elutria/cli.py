@@ -368,7 +368,7 @@ def view(
     if not viewing.is_run(place):
         run = viewing.folder_for(place, to)
         _refuse_overlap(place, run)
-        arguments = viewing.run_arguments(place, velocity, set_ or [], np)
+        arguments = viewing.run_arguments(place, velocity, set_ or [], np, run)
         if film is None:
             viewing.view_case(arguments, run, port, _say, browser=browser)
             return

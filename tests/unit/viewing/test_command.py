@@ -15,6 +15,7 @@ from PIL import Image, ImageSequence
 
 from elutria.case.case import Case
 from elutria.cli import main
+from elutria.running.marker import Identity, Marker
 from elutria.running.run import _steered
 from elutria.viewing.film import RATE, SIZE, record
 from elutria.viewing.sessions import is_going_on
@@ -62,6 +63,27 @@ def test_the_frames_of_a_run_that_goes_on_stay(
             main(["view", "--no-browser", str(column), "--to", str(tmp_path / "run")])
     assert end.value.code == 1
     assert "locked by another elutria" in capsys.readouterr().err
+    assert frames.is_file()
+
+
+def test_the_frames_of_a_run_of_other_inputs_stay(
+    column: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of an earlier view at another velocity, in the folder that is taken if none is given."""
+    monkeypatch.chdir(tmp_path)
+    run, case = tmp_path / "results" / column.name / "view", Case(column)
+    frames = run / "postProcessing/frames/frames.bin"
+    frames.parent.mkdir(parents=True)
+    frames.touch()
+    settings = case.settings_for(5, [])
+    Marker(Identity.of(case, settings), case.fingerprint(settings), ready=True).write(run)
+    said = refused(capsys, str(column), "--velocity", "6")
+    assert (
+        "holds a run of other inputs (system/simulationParameters:gasVelocity (5, now 6))" in said
+    )
     assert frames.is_file()
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from elutria.case.case import Case
 from elutria.errors import ElutriaError, InputError, one_line
-from elutria.running.marker import FINISHED, MARKER
+from elutria.running.marker import FINISHED, MARKER, Identity, Marker
 from elutria.running.run import FRAMES, locked
 from elutria.viewing.sessions import LiveSession, Session, session_of
 from elutria.viewing.sweeps import SweepSession, runs_in
@@ -141,10 +141,20 @@ def folder_for(place: Path, to: Path | None) -> Path:
     return (to or Path("results") / Case(place).name / "view").resolve()
 
 
-def run_arguments(case: Path, velocity: float | None, settings: list[str], np: int) -> list[str]:
-    """What `elutria run` is told. Raises InputError where the case cannot be run so."""
+def run_arguments(
+    case: Path, velocity: float | None, settings: list[str], np: int, folder: Path
+) -> list[str]:
+    """What `elutria run` is told. Raises InputError where the case cannot be run so, or `folder`
+    holds a run of other inputs, whose frames stay."""
     source = Case(case)
-    source.check_settings(source.settings_for(velocity, settings))
+    chosen = source.settings_for(velocity, settings)
+    source.check_settings(chosen)
+    before = Marker.read(folder)
+    if before and (found := before.identity.differences(Identity.of(source, chosen))):
+        raise InputError(
+            f"{folder}: holds a run of other inputs ({', '.join(found)}); allowed: another --to, "
+            "or this one without that folder"
+        )
     arguments = [str(case), "--np", str(np)]
     arguments += [] if velocity is None else ["--velocity", repr(velocity)]
     return arguments + [word for text in settings for word in ("--set", text)]
