@@ -13,12 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from elutria.case.case import PARAMETERS, Case
+from elutria.case.case import PARAMETERS, Case, Setting
 from elutria.cli import main
 from elutria.errors import InputError
 from elutria.openfoam.asked import ask
 from elutria.openfoam.dictionary import set_entry
 from elutria.running.run import ask_plan, plans, run_case
+from elutria_validation.harness.programs import project_root
 
 FEED, BLOCKS = "constant/feed", "system/blockMeshDict"
 
@@ -309,3 +310,18 @@ def test_the_solver_is_asked_once_about_runs_and_copies_of_the_same_contents(
     assert [run.theory_law() for run in runs] == 2 * ["Schiller-Naumann"]
     case.check_settings(*wanted)
     assert (tmp_path / "starts").read_text().split() == 2 * ["-dictionaries"]
+
+
+@pytest.mark.parametrize(("model", "acts"), [("resolved", False), ("porous", True)])
+def test_a_parameter_of_a_branch_that_is_not_read_is_refused(model: str, acts: bool) -> None:
+    """Two values of it gave one result under two labels."""
+    case = Case(project_root() / "cases/grating")
+    settings = [Setting.parse(f"{PARAMETERS}:{entry}") for entry in
+                (f"gratingModel={model}", "gratingLoss=5")]  # fmt: skip
+    if acts:
+        case.check_settings(settings)
+        return
+    with pytest.raises(
+        InputError, match="gratingLoss: constant/fvOptions takes it where it is not"
+    ):
+        case.check_settings(settings)

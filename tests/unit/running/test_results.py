@@ -167,6 +167,26 @@ def test_a_run_that_is_over_is_not_taken_for_one_of_other_steps(
     assert (to / "finished.json").read_bytes() == before
 
 
+def test_a_run_that_was_steered_is_no_start_of_one_that_was_not(
+    column: Path, fake_solver: Path, tmp_path: Path
+) -> None:
+    """It went on from its end, as one of the case."""
+    to, case = tmp_path / "results", Case(column)
+    sweep(column, to, "5")
+    for number, again in enumerate(("sweep", "run"), start=2):
+        (to / "U5/system/steering").write_text("changes ((1 2 1));")
+        (to / "U5/0.5/theirs").touch()
+        (to / "U5/finished.json").unlink()
+        if again == "sweep":
+            sweep(column, to, "5")
+        else:
+            run_case(case, to / "U5", case.settings_for(5, SMALL), anew=False)
+        assert not (to / "U5/system/steering").exists()
+        assert not (to / "U5/0.5/theirs").exists()
+        assert velocities(to) == {5}
+        assert len(started(fake_solver)) == number
+
+
 def test_a_grid_has_its_settings_as_columns(
     column: Path, fake_solver: Path, tmp_path: Path
 ) -> None:

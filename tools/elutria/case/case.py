@@ -270,24 +270,28 @@ class Case:
             )
         if file != PARAMETERS or name == VELOCITY or "/" in entry:
             return  # the gas velocity is compared with the solved gas
-        by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
-        # a program may put the name together; what feeds is constant/feed's alone
-        named = re.escape(entry) if entry in ENTRIES else f"{re.escape(entry)}|{Path(file).name}"
-        as_word = re.compile(rf"(?<!\w)({named})(?!\w)")
-        for within, path in _inputs(self.path):
-            if path.stat().st_size > LARGEST_DICTIONARY or self._not_read(within):
-                continue
-            text = path.read_text("latin-1")
-            if (_is_program(path.name) and as_word.search(text)) or by_name.search(
-                without_comments(text)
-            ):
-                return
-        if entry not in self.dictionary(PARAMETERS).entries:
+        if self._takers(entry) or entry not in self.dictionary(PARAMETERS).entries:
             return  # set_entry says what there is
         raise InputError(
             f"{self.name}/{PARAMETERS}: {entry}: no file of the case takes ${entry}, so that its "
             f"value changes nothing; allowed: an entry that acts, such as constant/feed:{entry}"
         )
+
+    def _takers(self, entry: str) -> list[str]:
+        """The files whose text takes an entry of the file of parameters."""
+        by_name = re.compile(rf"\$\{{?[:.]*{re.escape(entry)}(?!\w)|\"{re.escape(entry)}\"")
+        as_word, files = re.compile(rf"(?<!\w){re.escape(entry)}(?!\w)"), Path(PARAMETERS).name
+        found, perhaps = [], []
+        for within, path in _inputs(self.path):
+            if path.stat().st_size > LARGEST_DICTIONARY or self._not_read(within):
+                continue
+            text, program = path.read_text("latin-1"), _is_program(path.name)
+            if (program and as_word.search(text)) or by_name.search(without_comments(text)):
+                found.append(within)
+            elif program and files in text:
+                perhaps.append(within)
+        # a program may put the name together; what feeds is constant/feed's alone
+        return found if found or entry in ENTRIES else perhaps
 
     def _not_read(self, file: str) -> str:
         """Why no program of a run reads a file of the mesh; empty where one may."""
@@ -347,6 +351,8 @@ class Case:
                 before = [copy._read(setting) for setting in settings]
                 files = {copy.path / file for one in settings for file in _with_start(one.file)}
                 kept = {file: file.read_bytes() for file in files if file.is_file()}
+                for setting in settings:
+                    copy._require_taken(setting, settings)
                 copy._apply(settings)
                 copy.check_mesh()
                 copy.velocity()
@@ -365,6 +371,45 @@ class Case:
             return self.value(setting.file, setting.entry)
         except InputError:
             return None
+
+    def _require_taken(self, setting: Setting, settings: Iterable[Setting]) -> None:
+        """Raise InputError where a parameter's value, beside the other `settings` of a run, leaves
+        all dictionaries as they are read without it: what takes it stands in a branch of `#ifeq`
+        or `#if` that is not read."""
+        name = f"{setting.file}:{setting.entry}"
+        takers = self._takers(setting.entry) if setting.file == PARAMETERS else []
+        known = takers and all(map(_IN_ANSWER.fullmatch, takers)) and PARAMETERS not in takers
+        if name == VELOCITY or not known:
+            return
+        others = [other for other in settings if other is not setting]
+        files = [self.path / file for one in settings for file in _with_start(one.file)]
+        kept = {file: file.read_bytes() for file in files if file.is_file()}
+        self._apply(others)
+        was, before = self._read(setting), self._resolved(takers)
+        self._apply([setting])
+        now, after = self._read(setting), self._resolved(takers)
+        for file, content in kept.items():
+            file.write_bytes(content)
+        if before is not None and before == after and was != now:
+            raise InputError(
+                f"{self.name}/{PARAMETERS}: {setting.entry}: {', '.join(takers)} takes it where it "
+                "is not read as the case is set, so that its value changes nothing; allowed: an "
+                "entry that acts"
+            )
+
+    def _resolved(self, files: Iterable[str]) -> list[dict[str, Any]] | None:
+        """What is read in dictionaries, but for the parameters themselves; None where one is
+        refused."""
+        try:
+            parameters = self.dictionary(PARAMETERS).own
+            read = [self.dictionary(file, with_included=True) for file in files]
+        except InputError:
+            return None
+        return [
+            {name: value for name, value in one.entries.items()
+             if name in one.own or name not in parameters}
+            for one in read
+        ]  # fmt: skip
 
     def _require_acts(self, setting: Setting, before: str | None) -> None:
         """Raise InputError where an entry is read as `before` though it was given another value:
@@ -438,6 +483,9 @@ def _tokens(value: str) -> list[float | str]:
     words = re.sub(r"\[[^\]]*\]|[()\"]|\buniform\b", " ", value).split()
     return [_number_or_word(_SWITCHES.get(word, word)) for word in words]
 
+
+_IN_ANSWER = re.compile(r"(constant|system)/[^/]+")
+"""Dictionaries that the solver is asked for."""
 
 _SWITCHES = {"on": "yes", "true": "yes", "off": "no", "false": "no"}
 

@@ -131,12 +131,16 @@ def run_case(
         before = Marker.read(folder)
         if before is not None and not before.ready:
             before = None  # stopped before its solver began
-        if before is not None and before.inputs == fingerprint:
+        steered = before is not None and _steered(case, folder, before.inputs) != before.inputs
+        same = before is not None and before.inputs == fingerprint
+        if before is not None and same and (frames or not steered):
             _go_on(folder, replace(marker, ready=True), before, solving)
         elif before is not None and extend:
             with replaced_inputs(case, folder, settings, before, marker):
                 _go_on(folder, replace(marker, ready=True), before, solving)
-        elif not anew and (before is not None or (folder / FINISHED).is_file()):
+        elif not (anew or (same and steered)) and (
+            before is not None or (folder / FINISHED).is_file()
+        ):
             found = before.identity.differences(marker.identity) if before else []
             if before and before.np != np and not found:
                 found = [f"--np {before.np}, now {np}"]
