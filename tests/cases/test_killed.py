@@ -230,14 +230,3 @@ def test_a_disk_that_is_really_full(tmp_path: Path, untouched, moment: int) -> N
         check(outcome(case), whole)
     finally:
         subprocess.run(["umount", str(disk)], check=True)
-
-
-def test_the_log_is_written_in_pieces_and_to_its_end(tmp_path: Path) -> None:
-    """A flush of every line costs system calls, and wakes whoever reads as often."""
-    case = scene(tmp_path / "case")
-    with subprocess.Popen(SERIAL, cwd=case, stdout=subprocess.PIPE, bufsize=0) as solver:
-        assert solver.stdout is not None
-        pieces = list(iter(lambda: os.read(solver.stdout.fileno(), 1 << 20), b""))
-    lines = b"".join(pieces).decode().splitlines()
-    assert lines[-1] == "elutria: finished"
-    assert len(pieces) < len(lines) / 20

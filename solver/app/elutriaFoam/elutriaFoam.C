@@ -27,7 +27,6 @@ Description
 #include "view/FrameWriter.H"
 #include "view/LiveControl.H"
 #include "run/AtomicTime.H"
-#include "run/BatchedLog.H"
 #include "run/caseDictionaries.H"
 #include "run/caseFiles.H"
 #include "run/caseFunctions.H"
@@ -341,8 +340,6 @@ void run(const argList& args)
 
 int main(int argc, char *argv[])
 {
-    static BatchedLog log;      // outlives main where OpenFOAM calls exit
-
     argList::addNote
     (
         "Gas with a cloud of colliding particles, for air classification."

@@ -6,7 +6,6 @@
 \*---------------------------------------------------------------------------*/
 
 #include "run/exitHandling.H"
-#include "run/BatchedLog.H"
 #include "foam/UnsoundStep.H"
 #include "error.H"
 #include "IOstreams.H"
@@ -46,7 +45,6 @@ void say(const std::string& reason)
 {
     std::cout<< std::flush;
     std::cout<< "\nelutria: failed: " << onOneLine(reason) << std::endl;
-    BatchedLog::release();
 }
 
 
@@ -71,7 +69,6 @@ void memoryFault(int)
         " the run can be continued from the last written time, which is"
         " complete\n";
     const char* const text = code == caseAtFault ? reading : running;
-    BatchedLog::release();
     if (write(STDOUT_FILENO, text, std::strlen(text)) >= 0)
     {
         _exit(code);
