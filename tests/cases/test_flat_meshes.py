@@ -36,7 +36,9 @@ def box(folder: Path, kind: str) -> Path:
         gas_velocity=1, cells=(3, 1, 3), contacts=Contacts(), step=1e-3, end=2e-3
     ).make(folder)  # fmt: skip
     mesh = case / "system/blockMeshDict"
-    sides = re.sub(r"((south|north) +\{ type )\$sides", rf"\1{kind}", mesh.read_text())
+    sides = re.sub(
+        r"((south|north) +\{ type )\$(?:sides|northType)", rf"\1{kind}", mesh.read_text()
+    )
     mesh.write_text(sides)
     for field in (case / "0").glob("[Up]*"):
         text = field.read_text().rstrip().removesuffix("}")

@@ -40,7 +40,10 @@ def planned(velocity: float, count: int) -> dict[str, object]:
     gas = {"basis": "inlet", "inflow_is_fixed": True, "superficial_m_s": velocity, "inlets": []}
     return {
         "mesh": {"cells": 1000},
-        "gas": {**gas, "through_time_s": 0.5 / velocity, "changes_at": 0.01},
+        "gas": {
+            **gas, "through_time_s": 0.5 / velocity, "changes_at": 0.01,
+            "by_itself": {"what": "steady", "why": "it is made up"},
+        },
         "drag": {"forces": []},
         "feed": {"parcels": count, "start_s": 0, "end_s": 1, "run_ends_s": 1.5},
         "expected": {
