@@ -96,12 +96,13 @@ WORDS = ("material", "product", "model", "law")
 def read_csv(
     path: Path, columns: Sequence[str], words: Sequence[str] = WORDS
 ) -> list[dict[str, Any]]:
-    """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one.
+    """Rows of a csv file that `write_csv` wrote; every cell that is a number becomes one. Without
+    `columns` it may be a user's, with rows of empty cells.
 
     Raises InputError when the file is missing, has other columns, ends within a row or has one of
     `columns` that is neither a number nor among the `words`.
     """
-    numbered = read_rows(path)
+    numbered = read_rows(path, with_empty=bool(columns))
     rows = [row for _, row in numbered]
     if not rows or [name for name in columns if name not in rows[0]]:
         raise InputError(f"{path}: first line must name the columns {','.join(columns)}")
@@ -130,11 +131,13 @@ def read_text(path: Path, limit: int = 50_000_000) -> str:
         return path.read_text(encoding="utf-8-sig")
 
 
-def read_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Rows of a csv file and the lines that they stand in; those of empty cells are left out.
-    Raises InputError where the first one has its columns parted by other than commas."""
+def read_rows(path: Path, with_empty: bool = False) -> list[tuple[int, list[str]]]:
+    """Rows of a csv file and the lines that they stand in; those of empty cells are left out, or
+    not. Raises InputError where the first one has its columns parted by other than commas."""
     reader = csv.reader(read_text(path).splitlines())
-    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    rows = [
+        (reader.line_num, row) for row in reader if with_empty or any(cell.strip() for cell in row)
+    ]
     if rows and len(rows[0][1]) == 1 and (other := {";", "\t"} & {*rows[0][1][0]}):
         raise InputError(
             f"{path}: columns are parted by {other.pop()!r}; allowed: commas, and points in numbers"
