@@ -102,11 +102,12 @@ def read_csv(
     Raises InputError when the file is missing, has other columns, ends within a row or has one of
     `columns` that is neither a number nor among the `words`.
     """
-    numbered = read_rows(path, with_empty=bool(columns))
+    text = read_text(path)
+    numbered = _rows(path, text, with_empty=bool(columns))
     rows = [row for _, row in numbered]
     if not rows or [name for name in columns if name not in rows[0]]:
         raise InputError(f"{path}: first line must name the columns {','.join(columns)}")
-    if not read_text(path).endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
+    if not text.endswith("\n") or any(len(row) != len(rows[0]) for row in rows):
         raise InputError(f"{path}: ends within a row or has rows of different length")
     table = [dict(zip(rows[0], map(_number_or_text, row), strict=True)) for row in rows[1:]]
     for (number, _), entries in zip(numbered[1:], table, strict=True):
@@ -131,10 +132,14 @@ def read_text(path: Path, limit: int = 50_000_000) -> str:
         return path.read_text(encoding="utf-8-sig")
 
 
-def read_rows(path: Path, with_empty: bool = False) -> list[tuple[int, list[str]]]:
-    """Rows of a csv file and the lines that they stand in; those of empty cells are left out, or
-    not. Raises InputError where the first one has its columns parted by other than commas."""
-    reader = csv.reader(read_text(path).splitlines())
+def read_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Rows of a csv file and the lines that they stand in; those of empty cells are left out.
+    Raises InputError where the first one has its columns parted by other than commas."""
+    return _rows(path, read_text(path), with_empty=False)
+
+
+def _rows(path: Path, text: str, with_empty: bool) -> list[tuple[int, list[str]]]:
+    reader = csv.reader(text.splitlines())
     rows = [
         (reader.line_num, row) for row in reader if with_empty or any(cell.strip() for cell in row)
     ]

@@ -178,18 +178,19 @@ def price(plan: Mapping[str, Any], slowness: float, finished: Iterable[Spent] = 
     `finished` are runs on this machine, of any case."""
     asked = spent(plan, 0.0, 0.0, 0.0)
     near = [(_nearness(asked, run), run) for run in finished if run.key == asked.key]
-    seconds = slowness * asked.model_s
-    memory = 100.0 + 4e-3 * plan["mesh"]["cells"] + 1e-3 * asked.parcels
-    disk = 1.0 + 5e-4 * plan["mesh"]["cells"] + 1.5e-4 * asked.parcels + 2.3e-4 * work(plan).steps
-    unsteady = 0.0
-    if not near and plan["gas"]["by_itself"]["what"] == NOT_KNOWN:
-        unsteady = slowness * RATES.unsteady * plan["mesh"]["cells"] * work(plan).steps
     if near:
         seconds = asked.model_s * _mean(
             (nearness, run.processor_s / run.model_s) for nearness, run in near
         )
         memory = _mean((nearness, run.memory_mb) for nearness, run in near)
         disk = _mean((nearness, run.disk_mb) for nearness, run in near)
+        return Price(seconds, seconds, memory, disk)
+    cells, steps = plan["mesh"]["cells"], work(plan).steps
+    seconds = slowness * asked.model_s
+    memory = 100.0 + 4e-3 * cells + 1e-3 * asked.parcels
+    disk = 1.0 + 5e-4 * cells + 1.5e-4 * asked.parcels + 2.3e-4 * steps
+    may_be_unsteady = plan["gas"]["by_itself"]["what"] == NOT_KNOWN
+    unsteady = slowness * RATES.unsteady * cells * steps if may_be_unsteady else 0.0
     return Price(seconds, seconds, memory, disk, unsteady_s=unsteady)
 
 
