@@ -439,6 +439,16 @@ def test_a_material_named_as_all_together(scene: Path, tmp_path: Path) -> None:
     assert "a material is named all" in said
 
 
+def test_a_cloud_that_is_switched_off(scene: Path, tmp_path: Path) -> None:
+    case = tmp_path / "case"
+    shutil.copytree(scene, case)
+    change(case, {f"{CLOUD}:solution/active": False})
+    code, said = start(case)
+    assert code == 2
+    assert "constant/kinematicCloudProperties.solution" in said
+    assert "active is no: no particle would move, allowed: yes" in said
+
+
 def test_a_feed_that_is_not_there_is_named(scene: Path, tmp_path: Path) -> None:
     case = tmp_path / "case"
     shutil.copytree(scene, case)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
@@ -209,6 +210,17 @@ def test_a_surface_that_cannot_be(
 def test_a_triangle_without_area_is_left_out(tmp_path: Path) -> None:
     case = replace(BOX, contacts=Contacts()).make(tmp_path / "case", SPHERES)
     with_plate(case, [*flat(), *plate()])
+    solve(case)
+    assert read_particles(case, times(case)[-1]).velocity[0, 0] < 0
+
+
+def test_a_binary_stl_may_begin_with_solid(tmp_path: Path) -> None:
+    case = with_plate(replace(BOX, contacts=Contacts()).make(tmp_path / "case", SPHERES))
+    triangles = plate()
+    data = b"solid plate".ljust(80) + struct.pack("<I", len(triangles))
+    for corners in triangles:
+        data += struct.pack("<12f", 0, 0, 0, *np.ravel(corners)) + bytes(2)
+    (case / PLATE).write_bytes(data)
     solve(case)
     assert read_particles(case, times(case)[-1]).velocity[0, 0] < 0
 

@@ -22,9 +22,14 @@ from elutria.errors import ElutriaError, InputError, one_line
 from elutria.files import NOT_THE_PLACE
 
 if TYPE_CHECKING:
+    from elutria.case.case import Case
     from elutria.classification.classify import Classification, Row
+    from elutria.classification.precision import Precision
     from elutria.estimates.price import Price
+    from elutria.running.axes import Point
+    from elutria.running.budget import Budget
     from elutria.running.solver import Step
+    from elutria.running.sweep import SweepResult
     from elutria.warned import Warned
 
 app = typer.Typer(
@@ -168,29 +173,17 @@ def sweep(
     """Run a case at several gas velocities, or other settings, side by side. What is finished is
     never run again; the tables hold all runs of the folder."""
     from elutria.case.case import Case
-    from elutria.classification.precision import Precision
-    from elutria.estimates.price import in_words
-    from elutria.running import costs
-    from elutria.running.axes import grid, read_points
-    from elutria.running.budget import parse_budget
     from elutria.running.engine import open_engine, slots, threads_each
     from elutria.running.results import Results
     from elutria.running.sweep import paying, plan, run_sweep
 
     source = Case(case)
-    if points is not None and (velocity is not None or vary):
-        raise InputError(f"--points {points}: allowed: either it, or --velocity and --vary")
-    if points is None and velocity is None and not vary:
-        raise InputError("--velocity: is missing; allowed: it, --vary or --points")
-    wanted = read_points(source, points) if points else grid(source, velocity, vary or [])
+    wanted = _points(source, velocity, vary or [], points)
     folder = (to or Path("results") / source.name).resolve()
     _refuse_overlap(source.path, folder)
     members = plan(source, folder, wanted, replicates, set_ or [])
     results = Results(source, folder, set_ or [])
-    if precision is not None and budget is not None:
-        raise InputError(f"--budget {budget}: allowed: either it, or --precision")
-    asked = None if precision is None else Precision(precision, most_runs)
-    goal = asked if budget is None else parse_budget(budget)
+    goal = _goal(precision, most_runs, budget)
     each = np
     if engine == "local":
         choice = paying(source, members, np)
@@ -210,23 +203,10 @@ def sweep(
             done = sum(len(runs) for runs in results.finished().values())
             _say(f"{done} of {len(members)} runs are finished; their tables are in {folder}")
             raise
-    if result.skipped:
-        console.print(f"{result.skipped} runs were complete before", style="dim")
-    if result.ran:
-        _say(f"spent by {in_words(costs.came_to(result.ran), at_once)}")
-    _show(result.tables, wide, folder)
-    _warn(result.warnings)
-    for name in result.imprecise:
-        width = f"+- {100 * (precision or 0):g} % after {most_runs} runs. Increase --most-runs."
-        console.print(f"{name}: the 95 % interval of d50 is wider than {width}")
+    _tell(result, at_once, goal, wide, folder)
     if result.tables.summary:
         _plot(folder, formats)
-    if result.failures:
-        for name, reason in result.failures.items():
-            errors.print(f"{name}: {reason}", style="red", markup=False, soft_wrap=True)
-        raise ElutriaError(
-            f"{len(result.failures)} of {len(members)} runs failed; the others are in {folder}"
-        )
+    _raise_failures(result.failures, len(members), folder)
 
 
 @app.command(epilog="Example: elutria find cases/column --d50 500e-6 --to results/find")
@@ -397,6 +377,64 @@ def vtk(
 
     for path in write_vtk(case, to or case / "VTK"):
         console.print(str(path), highlight=False, soft_wrap=True)
+
+
+def _points(
+    source: Case, velocity: str | None, vary: list[str], points: Path | None
+) -> list[Point]:
+    """The points of a sweep, by a file or by its axes."""
+    from elutria.running.axes import grid, read_points
+
+    if points is not None:
+        if velocity is not None or vary:
+            raise InputError(f"--points {points}: allowed: either it, or --velocity and --vary")
+        return read_points(source, points)
+    if velocity is None and not vary:
+        raise InputError("--velocity: is missing; allowed: it, --vary or --points")
+    return grid(source, velocity, vary)
+
+
+def _goal(precision: float | None, most_runs: int, budget: str | None) -> Precision | Budget | None:
+    """What replicates are run for; None: there are as many as were asked for."""
+    from elutria.classification.precision import Precision
+    from elutria.running.budget import parse_budget
+
+    if precision is not None and budget is not None:
+        raise InputError(f"--budget {budget}: allowed: either it, or --precision")
+    if budget is not None:
+        return parse_budget(budget)
+    return None if precision is None else Precision(precision, most_runs)
+
+
+def _tell(
+    result: SweepResult,
+    at_once: int,
+    goal: Precision | Budget | None,
+    wide: bool,
+    folder: Path,
+) -> None:
+    """What a sweep has cost and found, with its warnings."""
+    from elutria.classification.precision import Precision
+    from elutria.estimates.price import in_words
+    from elutria.running import costs
+
+    if result.skipped:
+        console.print(f"{result.skipped} runs were complete before", style="dim")
+    if result.ran:
+        _say(f"spent by {in_words(costs.came_to(result.ran), at_once)}")
+    _show(result.tables, wide, folder)
+    _warn(result.warnings)
+    if isinstance(goal, Precision):
+        width = f"+- {100 * goal.half_width:g} % after {goal.most_runs} runs. Increase --most-runs."
+        for name in result.imprecise:
+            console.print(f"{name}: the 95 % interval of d50 is wider than {width}")
+
+
+def _raise_failures(failures: Mapping[str, str], runs: int, folder: Path) -> None:
+    for name, reason in failures.items():
+        errors.print(f"{name}: {reason}", style="red", markup=False, soft_wrap=True)
+    if failures:
+        raise ElutriaError(f"{len(failures)} of {runs} runs failed; the others are in {folder}")
 
 
 def _refuse_overlap(case: Path, folder: Path) -> None:

@@ -27,6 +27,12 @@ defineTypeNameAndDebug(ElutriaCloud, 0);
 
 CloudContacts* ElutriaCloud::findContacts()
 {
+    if (!solution().active())
+    {
+        FatalIOErrorInFunction(solution().dict())
+            << "active is no: no particle would move, allowed: yes"
+            << exit(FatalIOError);
+    }
     auto* contacts = dynamic_cast<CloudContacts*>(&collision());
     if (contacts)
     {

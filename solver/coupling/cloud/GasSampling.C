@@ -6,7 +6,7 @@
 \*---------------------------------------------------------------------------*/
 
 #include "cloud/GasSampling.H"
-#include "core/forEach.hpp"
+#include "cloud/parcelBlocks.H"
 #include "laws/SelfInducedVelocity.hpp"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
@@ -25,15 +25,6 @@ namespace Foam
 {
 
 namespace laws = elutria::laws;
-
-namespace
-{
-
-//- Parcels that a thread takes at a time
-constexpr size_t block = 256;
-
-} // End anonymous namespace
-
 
 // * * * * * * * * * * * * * Private Member Functions  * * * * * * * * * * * //
 
@@ -421,11 +412,9 @@ void GasSampling::sample(StepParcels& step, StockTracking& td, const scalar dt)
 unsigned GasSampling::threadsFor(const size_t parcels) const
 {
     const bool shared =
-        contacts_ && readsCells_ && forces_.shared()
+        readsCells_ && forces_.shared()
      && (inertialDispersion_ || !dispersing_);
-    return
-        shared && parcels >= 2*block
-      ? contacts_->engine().settings().threads : 1;
+    return shared ? parcelThreads(contacts_, parcels) : 1;
 }
 
 
@@ -455,11 +444,10 @@ void GasSampling::sampleAll
     {
         --end;
     }
-    elutria::dem::forEach(threads, (n + block - 1)/block, [&](const size_t k)
+    forParcelBlocks(threads, n, [&](const size_t from, const size_t to)
     {
         const int thread = omp_get_thread_num();
         StockTracking& td = thread ? *others[thread - 1] : first;
-        const size_t from = k*block, to = min(n, from + block);
         Random random;
         sampleBlock(step, td, random, from, to, dt);
         if (from < end && end <= to)

@@ -7,10 +7,10 @@
 
 #include "cloud/ParcelTracking.H"
 #include "cloud/GasSampling.H"
+#include "cloud/parcelBlocks.H"
 #include "contacts/SymmetryWalls.H"
 #include "foam/engineVectors.H"
 #include "foam/foamVersion.H"
-#include "parallel/ParcelTransfer.H"
 #include "laws/DragLaws.hpp"
 #include "meshTools.H"
 #include "processorCyclicPolyPatch.H"
@@ -58,14 +58,31 @@ bool ParcelTracking::onlyCellsMatter() const
 }
 
 
+ParcelTracking::Outcome ParcelTracking::outcome
+(
+    const StepParcels& step,
+    const size_t i
+)
+{
+    const elutria::dem::Particles& all = step.particles;
+    return
+    {
+        step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]),
+        all.dragRate[i],
+        toFoam(all.position[i]),
+        scalar(step.takenAt.size() ? step.takenAt[i] : -1)
+    };
+}
+
+
 ParcelTracking::Flight ParcelTracking::flight
 (
-    StockParcel& p,
     const StepParcels& step,
     const size_t i,
     const scalar dt
 ) const
 {
+    const StockParcel& p = *step.parcels[i];
     const elutria::dem::Particles& all = step.particles;
     Flight f;
     f.from = step.starts[i];
@@ -73,22 +90,11 @@ ParcelTracking::Flight ParcelTracking::flight
     f.start = p.U();
     f.end = toFoam(all.velocity[i]);
     f.spin = toFoam(all.spin[i]);
-    f.impulse = step.effectiveMass[i]/all.mass[i]*toFoam(all.dragImpulse[i]);
-    f.dragRate = all.dragRate[i];
-    f.target = toFoam(all.position[i]);
     f.age = p.age() - p.stepFraction()*dt;
-    f.takenAt = step.takenAt.size() ? step.takenAt[i] : -1;
     const bool told = cloud_.functions().size();
     f.known = told && p.stepFraction() > 0 ? p.position() : f.from;
     f.elsewhere = 0;
-
-    // What neither drag nor other forces did, contacts did
-    turnFluctuation
-    (
-        p,
-        f.end - f.start - dt*toFoam(all.acceleration[i])
-      - toFoam(all.dragImpulse[i])/all.mass[i]
-    );
+    f.outcome = outcome(step, i);
 
     if (planar_)
     {
@@ -112,11 +118,13 @@ ParcelTracking::Flight ParcelTracking::flight
 
 bool ParcelTracking::passCells
 (
-    StockParcel& p,
-    const Flight& flight,
+    StepParcels& step,
+    const size_t i,
     const scalar dt
 )
 {
+    StockParcel& p = *step.parcels[i];
+
     // The case's functions are read when the time loop begins
     if
     (
@@ -126,6 +134,7 @@ bool ParcelTracking::passCells
     {
         return false;
     }
+    const Flight flight(this->flight(step, i, dt));
     const label celli = cells_.follow
     (
         p.cell(), flight.from, flight.from + flight.displacement
@@ -137,12 +146,32 @@ bool ParcelTracking::passCells
     p.cell() = celli;
     p.stepFraction() = 1;
     p.age() = flight.age + dt;
-    if (recorder_)
-    {
-        recorder_->pass(p, flight.from, flight.target, dt);
-    }
     finish(p, flight);
     return true;
+}
+
+
+void ParcelTracking::passAllCells
+(
+    StepParcels& step,
+    const scalar dt,
+    std::vector<char>& passed
+)
+{
+    const size_t n = step.parcels.size();
+    passed.resize(n);
+    const unsigned threads = parcelThreads(contacts_, n);
+    forParcelBlocks(threads, n, [&](const size_t from, const size_t to)
+    {
+        for (size_t i = from; i < to; ++i)
+        {
+            const size_t soon = min(i + ahead, to - 1);
+            soonRead(*step.parcels[soon]);
+            cells_.expect(step.cells[soon]);
+            turnFluctuation(*step.parcels[i], thrown(step, i, dt));
+            passed[i] = passCells(step, i, dt);
+        }
+    });
 }
 
 
@@ -150,6 +179,21 @@ void ParcelTracking::finish(StockParcel& p, const Flight& flight)
 {
     p.U() = flight.end;
     p.angularMomentum() = p.momentOfInertia()*flight.spin;
+}
+
+
+vector ParcelTracking::thrown
+(
+    const StepParcels& step,
+    const size_t i,
+    const scalar dt
+)
+{
+    // What neither drag nor other forces did, contacts did
+    const elutria::dem::Particles& all = step.particles;
+    return
+        toFoam(all.velocity[i]) - step.parcels[i]->U()
+      - dt*toFoam(all.acceleration[i]) - toFoam(all.dragImpulse[i])/all.mass[i];
 }
 
 
@@ -165,16 +209,16 @@ void ParcelTracking::turnFluctuation(StockParcel& p, const vector& thrown) const
 }
 
 
-void ParcelTracking::deposit(const StockParcel& p, const Flight& flight)
+void ParcelTracking::deposit(const StockParcel& p, const Outcome& outcome)
 {
-    coupling_.deposit(p.cell(), p.nParticle()*flight.impulse);
+    coupling_.deposit(p.cell(), p.nParticle()*outcome.impulse);
 }
 
 
 void ParcelTracking::leave
 (
-    const StockParcel& p,
-    const Flight& flight,
+    StockParcel& p,
+    const Outcome& outcome,
     const label patchi
 )
 {
@@ -182,8 +226,31 @@ void ParcelTracking::leave
     {
         ++goneThrough_[patchi];
     }
-    deposit(p, flight);
+    deposit(p, outcome);
     solids_.arrive(p.cell(), p.position(), -p.nParticle()*p.volume());
+    cloud_.deleteParticle(p);
+}
+
+
+void ParcelTracking::arrive
+(
+    StockParcel& p,
+    const Outcome& outcome,
+    const bool tracked,
+    std::vector<Arrived>& arrived
+)
+{
+    if (outcome.takenAt >= 0 && !sticks_[label(outcome.takenAt)])
+    {
+        leave(p, outcome, label(outcome.takenAt));
+        return;
+    }
+    if (outcome.takenAt >= 0)
+    {
+        p.active(false);
+    }
+    deposit(p, outcome);
+    arrived.push_back({&p, outcome.target, outcome.dragRate, tracked});
 }
 
 
@@ -416,28 +483,58 @@ labelList ParcelTracking::goneThrough() const
 }
 
 
-void ParcelTracking::keep
+void ParcelTracking::move
 (
-    std::vector<Arrived>& arrived,
-    StepParcels& step
+    StockParcel& p,
+    Flight flight,
+    StockTracking& td,
+    const scalar dt,
+    Transfer& transfer,
+    std::vector<Arrived>& arrived
 )
 {
-    const auto before = [](const Arrived& a, const Arrived& b)
+    trackParcel(p, flight, td, dt);
+    if (!td.keepParticle)
     {
-        return parcelName(*a.parcel) < parcelName(*b.parcel);
-    };
+        leave(p, flight.outcome, p.onBoundaryFace() ? p.patch() : -1);
+    }
+    else if (td.switchProcessor)
+    {
+        const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
+        flight.elsewhere = isA<processorCyclicPolyPatch>(patch) ? 1 : 0;
+        transfer.add(cloud_.remove(&p), flight);
+    }
+    else
+    {
+        arrive(p, flight.outcome, true, arrived);
+    }
+}
+
+
+void ParcelTracking::keep(std::vector<Arrived>& arrived, StepParcels& step)
+{
     if (Pstream::parRun())
     {
         // Sums over the parcels of a cell are taken in the cloud's order: let
         // it be that of one processor, where none ever comes from elsewhere
-        std::stable_sort(arrived.begin(), arrived.end(), before);
+        std::stable_sort
+        (
+            arrived.begin(), arrived.end(),
+            [](const Arrived& a, const Arrived& b)
+            {
+                return parcelName(*a.parcel) < parcelName(*b.parcel);
+            }
+        );
+        for (const Arrived& a : arrived)
+        {
+            cloud_.append(cloud_.remove(a.parcel));
+        }
     }
     step.ends.clear();
     for (const Arrived& a : arrived)
     {
         step.ends.push_back({parcelName(*a.parcel), a.target, a.tracked});
         coupling_.keep(a.dragRate);
-        cloud_.addParticle(a.parcel);
     }
 }
 
@@ -451,74 +548,49 @@ void ParcelTracking::track
 {
     addProfiling(tracking, "elutria::tracking");
 
-    // Parcels still to be tracked: first all of the cloud's, then those that
-    // arrive from other processors, with their flights
-    IDLList<StockParcel> moving;
-    moving.transfer(cloud_);
-    List<Flight> flights;
-    bool first = true;
+    std::vector<char> passed;
+    passAllCells(step, dt, passed);
+
+    const size_t n = step.parcels.size();
     std::vector<Arrived> arrived;
-    arrived.reserve(step.starts.size());
-
-    const auto arrive = [&](StockParcel& p, const Flight& f, const bool tracked)
+    arrived.reserve(n);
+    Transfer transfer(mesh());
+    for (size_t i = 0; i < n; ++i)
     {
-        if (f.takenAt >= 0 && !sticks_[label(f.takenAt)])
+        const size_t soon = min(i + ahead, n - 1);
+        soonRead(*step.parcels[soon]);
+        coupling_.expect(step.cells[soon]);
+        StockParcel& p = *step.parcels[i];
+        if (!passed[i])
         {
-            leave(p, f, f.takenAt);
-            delete moving.remove(&p);
-            return;
-        }
-        if (f.takenAt >= 0)
-        {
-            p.active(false);
-        }
-        deposit(p, f);
-        arrived.push_back({moving.remove(&p), f.target, f.dragRate, tracked});
-    };
-
-    ParcelTransfer<StockParcel, Flight> transfer(mesh());
-    do
-    {
-        label k = -1;
-        for (StockParcel& p : moving)
-        {
-            ++k;
-            if (first && k + ahead < step.cells.size())
-            {
-                soonRead(*step.parcels[k + ahead]);
-                cells_.expect(step.cells[k + ahead]);
-                coupling_.expect(step.cells[k + ahead]);
-            }
-            Flight flight(first ? this->flight(p, step, k, dt) : flights[k]);
-            if (first && passCells(p, flight, dt))
-            {
-                arrive(p, flight, false);
-                continue;
-            }
-            if (first && !step.tracked[k])
+            const Flight flight(this->flight(step, i, dt));
+            if (!step.tracked[i])
             {
                 p.relocate(flight.from, p.cell());
             }
-            trackParcel(p, flight, td, dt);
-
-            if (!td.keepParticle)
-            {
-                leave(p, flight, p.onBoundaryFace() ? p.patch() : -1);
-                delete moving.remove(&p);
-            }
-            else if (td.switchProcessor)
-            {
-                const polyPatch& patch = mesh().boundaryMesh()[p.patch()];
-                flight.elsewhere = isA<processorCyclicPolyPatch>(patch) ? 1 : 0;
-                transfer.add(moving.remove(&p), flight);
-            }
-            else
-            {
-                arrive(p, flight, true);
-            }
+            move(p, flight, td, dt, transfer, arrived);
+            continue;
         }
-        first = false;
-    } while (transfer.exchange(moving, flights, td));
+        const Outcome end(outcome(step, i));
+        if (recorder_)
+        {
+            recorder_->pass(p, step.starts[i], end.target, dt);
+        }
+        arrive(p, end, false, arrived);
+    }
+
+    // Those that arrive from other processors
+    IDLList<StockParcel> moving;
+    List<Flight> flights;
+    while (transfer.exchange(moving, flights, td))
+    {
+        for (const Flight& flight : flights)
+        {
+            StockParcel* p = moving.removeHead();
+            cloud_.append(p);
+            move(*p, flight, td, dt, transfer, arrived);
+        }
+    }
     keep(arrived, step);
 }
 

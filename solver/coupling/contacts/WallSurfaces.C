@@ -14,6 +14,8 @@
 #include "OSspecific.H"
 #include "triSurface.H"
 
+#include <fstream>
+
 namespace Foam
 {
 
@@ -32,6 +34,22 @@ namespace
         << "file: " << surface.file.c_str() << ": " << found.c_str()
         << "; allowed: " << allowed.c_str() << exit(FatalIOError);
     std::abort();   // never reached
+}
+
+
+//- The format by which OpenFOAM reads the file: a binary STL may begin with
+//  "solid", which OpenFOAM takes for a text's beginning
+word formatOf(const fileName& path)
+{
+    constexpr off_t header = 80, triangle = 50;
+    uint32_t number = 0;
+    std::ifstream file(path, std::ios::binary);
+    file.seekg(header);
+    file.read(reinterpret_cast<char*>(&number), sizeof(number));
+    const bool binary =
+        path.hasExt("stl") && file
+     && fileSize(path) == header + off_t(sizeof(number)) + triangle*number;
+    return binary ? "stlb" : path.ext();
 }
 
 
@@ -60,7 +78,7 @@ List<FixedList<point, 3>> trianglesOf
             "a triangulated surface: stl, obj, ..."
         );
     }
-    const triSurface read(path, scale);
+    const triSurface read(path, formatOf(path), scale);
     DynamicList<FixedList<point, 3>> triangles;
     for (const labelledTri& t : read)
     {
