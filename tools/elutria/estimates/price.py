@@ -16,7 +16,7 @@ from typing import Any
 
 NOT_KNOWN = "not known yet"
 """Of the gas by itself, in a plan: the run finds out."""
-MODEL = 1
+MODEL = 2
 """Counts up when the rates or the count change: what was kept before says nothing then."""
 STAY = 8.0
 """Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""

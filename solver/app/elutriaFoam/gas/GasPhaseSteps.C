@@ -321,8 +321,8 @@ scalar GasPhase::converge
             "it changes by " + threeDigits(100*change) + " % a pass after "
           + threeDigits(passed/through) + " passes, allowed: "
           + threeDigits(100*tolerance) + " %",
-            "it is solved in every step, which takes longer; a finer mesh or a "
-            "steadier inlet lets it settle",
+            "it is solved in every step, which takes longer; upwind for k and "
+            "epsilon, a finer mesh or a steadier inlet may let it settle",
             change
         });
     }

@@ -72,6 +72,11 @@ class Point:
 SPALDING = {'0.orig/nut.air:boundaryField/"walls|feedSlot"/type': "nutUSpaldingWallFunction"}
 """One law from the wall through the buffer layer: y+ may be anything."""
 SST = {"constant/turbulenceProperties.air:RAS/RASModel": "kOmegaSST"}
+LIMITED = {
+    f"system/fvSchemes:divSchemes/div(alphaPhi.air,{name}.air)": ("Gauss", "limitedLinear", 1)
+    for name in ("k", "epsilon")
+}
+"""k and epsilon by a limiter, with which the gas does not become steady."""
 DEFAULT = "as delivered"
 POINTS = (
     Point("mesh x 2", {}, 2, ranks=8, seeds=1),
@@ -80,6 +85,7 @@ POINTS = (
     Point("mesh x 0.7", {}, 0.7),
     Point("step x 0.5", step(0.5)),
     Point("gas on every step", GAS_ON, seeds=1),
+    Point("k, epsilon limitedLinear", LIMITED, seeds=1),
     Point("Spalding's wall, mesh x 0.7", SPALDING, 0.7),
     Point("Spalding's wall", SPALDING),
     Point("gas by points, mesh x 0.7", BY_POINTS, 0.7),
