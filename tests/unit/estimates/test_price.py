@@ -53,7 +53,7 @@ def test_the_work_is_counted() -> None:
     assert done.moved == pytest.approx(5000 * 0.8 / 0.004)
     assert work(plan(gas_change=0.005)).solved == 0  # the gas rests
     dense = work(plan(gas_change=0.9))
-    assert dense.solved == pytest.approx(10000 * (20 + (1.8 + 7e-5 * 90**2 * 5.2) / 0.004))
+    assert dense.solved == pytest.approx(10000 * (20 + (0.35 * 1.8 + 0.1 * 5.2) / 0.004))
     heavy = work(plan(parcels=200))
     assert heavy.solved == pytest.approx(10000 * (20 + heavy.steps)), "around each parcel"
     assert work(plan(parcels=300)).solved == work(PLAN).solved

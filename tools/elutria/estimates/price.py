@@ -20,10 +20,10 @@ MODEL = 2
 """Counts up when the rates or the count change: what was kept before says nothing then."""
 STAY = 8.0
 """Passages of the gas through the mesh in which a parcel leaves, those around the cut included."""
-SOLVED, ONCE = 0.012, 20
+SOLVED, MOST, ONCE = 0.012, 0.35, 20
 """Share of the steps in which the gas is solved while parcels enter and leave, where they change it
-by `gasTolerance`; and how often it is solved anyway where they do."""
-SOLVED_LATE, MOST_LATE = 7e-5, 0.7
+by `gasTolerance`, and at most; and how often it is solved anyway where they do."""
+SOLVED_LATE, MOST_LATE = 7e-5, 0.1
 """That share while the last ones hover; it rises with the square of the change, up to the second
 number."""
 
@@ -89,7 +89,8 @@ class Rates:
     """Of a cell in each step while the gas is never steady: it takes more iterations then."""
     steps: float = 9e-4
     moved: float = 5e-6
-    collided: float = 1e-4
+    collided: float = 1.2e-3
+    """Of an expected collision of a parcel: there are 25 impacts for each, walls included."""
     parcels: float = 1.5e-4
 
 
@@ -110,7 +111,7 @@ def work(plan: Mapping[str, Any]) -> Work:
     busy = min(fed + stay, lasts)
     change = (expected["gas_change"] or 0.0) / gas["changes_at"]
     late = lasts - busy
-    solved = busy * min(1.0, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
+    solved = busy * min(MOST, SOLVED * change) + late * min(MOST_LATE, SOLVED_LATE * change**2)
     inside = parcels * (min(1.0, (gas["through_time_s"] or 0.0) / fed) if fed > 0 else 1.0)
     if change > HEAVY * inside and 0 < inside < FEW:
         solved = lasts
