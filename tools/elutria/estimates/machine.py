@@ -26,8 +26,7 @@ from elutria.files import cache_folder
 
 REFERENCE_S = 0.0226
 """Processor seconds of the probe's work on the machine on which the rates were measured: 0.0120 on
-another one, an AMD EPYC, on which default columns took 0.53 of their time, at loadings of 0.2 and 5.
-"""
+an AMD EPYC, on which default columns took 0.53 of their time, at loadings of 0.2 and 5."""
 _KEPT = 400
 _RUNS = "spent.jsonl"
 
@@ -55,7 +54,7 @@ def probe() -> float:
 def _work() -> None:
     """What runs spend their time on: products with a sparse matrix of the size of a small case, as
     a solver of the gas makes them; functions of one number after the other, as particles need them;
-    and branches that cannot be foreseen, as in a search. The interpreter takes little part in it."""
+    branches that cannot be foreseen, as in a search. The interpreter takes little part in it."""
     matrix = _matrix()
     field = matrix.diagonal()
     for _ in range(60):

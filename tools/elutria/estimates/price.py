@@ -38,8 +38,7 @@ inside). Both numbers are fitted to these eight runs."""
 @dataclass(frozen=True)
 class Work:
     """What a run has to do: cells whose gas settles, and times that a cell's gas is solved later;
-    time steps; times that a parcel is moved, each as often as it relaxes in a step; collisions;
-    parcels."""
+    time steps; times that a parcel is moved; collisions; parcels."""
 
     settled: float
     solved: float
@@ -115,12 +114,11 @@ def work(plan: Mapping[str, Any]) -> Work:
     inside = parcels * (min(1.0, (gas["through_time_s"] or 0.0) / fed) if fed > 0 else 1.0)
     if change > HEAVY * inside and 0 < inside < FEW:
         solved = lasts
-    stiff = max(1.0, step / (expected["shortest_relaxation_s"] or step))
     return Work(
         settled=cells,
         solved=cells * (ONCE + solved / step) if change >= 1 else 0.0,
         steps=lasts / step,
-        moved=parcels * max(1.0, stay / step) * stiff,
+        moved=parcels * max(1.0, stay / step),
         collided=parcels * (expected["collisions"] or 0.0),
         parcels=parcels,
     )
